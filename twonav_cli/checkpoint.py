@@ -1,0 +1,125 @@
+"""A checkpoint: a folder with arrays (safetensors) and a card (JSON) that says what they are and how they were made.
+
+Nothing is unpickled. The card holds the SHA-256 of the arrays' file, so a flipped bit is noticed.
+"""
+
+from __future__ import annotations
+
+import datetime
+import hashlib
+import json
+import platform
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twonav_cli.errors import TwonavError
+from twonav_cli.files import write_whole
+
+FORMAT = 1
+ARRAYS_FILE = "arrays.safetensors"
+CARD_FILE = "card.json"
+
+Arrays = dict[str, NDArray[Any]]
+Card = dict[str, Any]
+
+
+def versions() -> dict[str, str]:
+    """Return the versions that a result depends on."""
+    found = {"python": platform.python_version()}
+    for package in ("twonav", "numpy", "mujoco", "torch", "numba"):
+        try:
+            found[package] = metadata.version(package)
+        except metadata.PackageNotFoundError:
+            continue
+    return found
+
+
+def save_checkpoint(folder: Path, arrays: Arrays, card: Card) -> Path:
+    """Write arrays and card so that a reader finds the old pair, the new pair, or a mismatch it will refuse.
+
+    Args:
+        folder: Where the two files go.
+        arrays: Named arrays of any shape.
+        card: Must hold "kind", "scene", "scene_digest", "map_digest", "command", "seed" and "metrics".
+
+    Raises:
+        TwonavError: The folder cannot be written.
+    """
+    from safetensors.numpy import save
+
+    content = save({name: np.ascontiguousarray(array) for name, array in arrays.items()})
+    full = {
+        "format": FORMAT,
+        **card,
+        "sha256": hashlib.sha256(content).hexdigest(),
+        "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
+        "versions": versions(),
+    }
+    write_whole(folder / ARRAYS_FILE, content)
+    write_whole(folder / CARD_FILE, json.dumps(full, indent=2) + "\n")
+    return folder
+
+
+def read_card(folder: Path) -> Card:
+    """Read the card of a checkpoint.
+
+    Raises:
+        TwonavError: There is none, or it is not a card.
+    """
+    path = folder / CARD_FILE
+    try:
+        card = json.loads(path.read_text())
+    except FileNotFoundError:
+        raise TwonavError(f"there is no checkpoint in {folder}: train one, or name another folder") from None
+    except (OSError, ValueError) as error:
+        raise TwonavError(f"{path} is not a checkpoint card: {str(error).splitlines()[0]}") from error
+    if not isinstance(card, dict) or card.get("format") != FORMAT or "sha256" not in card or "kind" not in card:
+        raise TwonavError(f"{path} is not a checkpoint card of this version of twonav: train again")
+    return card
+
+
+def load_checkpoint(
+    folder: Path, kind: str, scene_digest: str | None = None, map_digest: str | None = None
+) -> tuple[Arrays, Card]:
+    """Read a checkpoint and check that it is whole and belongs here.
+
+    Args:
+        folder: Where the two files are.
+        kind: What it must be: "agent" or "localizer".
+        scene_digest: The scene it must have been made for, unless None.
+        map_digest: The map it must have been made for, unless None.
+
+    Returns:
+        The arrays by name, and the card.
+
+    Raises:
+        TwonavError: Missing, truncated, changed, of another kind, scene or map.
+    """
+    from safetensors import SafetensorError
+    from safetensors.numpy import load
+
+    card = read_card(folder)
+    if card["kind"] != kind:
+        raise TwonavError(f"the checkpoint in {folder} is a {card['kind']}, not a {kind}")
+    if scene_digest is not None and card.get("scene_digest") != scene_digest:
+        raise TwonavError(
+            f"the {kind} in {folder} was made for another scene or another version of it "
+            f"({card.get('scene', 'unknown')}): train it again for this one"
+        )
+    if map_digest is not None and card.get("map_digest") != map_digest:
+        raise TwonavError(f"the {kind} in {folder} was made on another map: train it again on this one")
+    path = folder / ARRAYS_FILE
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise TwonavError(f"{path} cannot be read: {error.strerror}") from error
+    if hashlib.sha256(content).hexdigest() != card["sha256"]:
+        raise TwonavError(f"{path} is damaged (its checksum is not the card's): restore it or train again")
+    try:
+        return load(content), card
+    except (SafetensorError, ValueError) as error:
+        raise TwonavError(f"{path} is not a safetensors file: {error}") from error

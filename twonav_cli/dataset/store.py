@@ -1,0 +1,124 @@
+"""Reading a data set: memory-mapped frames with their poses, checked before they are used.
+
+N frames, B batch.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twonav_cli.dataset.collect import (
+    FORMAT,
+    FRAMES_FILE,
+    IMAGE_SHAPE,
+    KINDS_FILE,
+    META_FILE,
+    POSES_FILE,
+    SPLITS_FILE,
+    frames_done,
+)
+from twonav_cli.dataset.plan import GRID, HELD_OUT, RANDOM
+from twonav_cli.dataset.poses import TEST, TRAIN
+from twonav_cli.errors import TwonavError
+
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class FrameStore:
+    """Frames, where each was taken and what each is for.
+
+    Attributes:
+        frames: [N, 84, 84, 3] uint8 RGB, memory-mapped, read only.
+        poses: [N, 3] float32, map frame.
+        kinds: [N] uint8: GRID, RANDOM or HELD_OUT.
+        splits: [N] uint8: TRAIN, VALIDATION or TEST.
+        meta: Scene, digest, seed and render settings.
+    """
+
+    frames: NDArray[np.uint8]
+    poses: NDArray[np.float32]
+    kinds: NDArray[np.uint8]
+    splits: NDArray[np.uint8]
+    meta: dict[str, Any]
+
+    def __len__(self) -> int:
+        return len(self.poses)
+
+    def training(self) -> Indices:
+        """Return the frames to learn from: the paper's training half of the grid, and the random ones."""
+        return np.flatnonzero((self.kinds != HELD_OUT) & (self.splits == TRAIN))
+
+    def off_grid(self) -> Indices:
+        """Return the held-out frames at random poses."""
+        return np.flatnonzero(self.kinds == HELD_OUT)
+
+    def paper_test(self) -> Indices:
+        """Return the test frames of the paper's split: on the grid, beside training frames (§4.1)."""
+        return np.flatnonzero((self.kinds == GRID) & (self.splits == TEST))
+
+    def random_training(self) -> Indices:
+        """Return the training frames at random poses."""
+        return np.flatnonzero(self.kinds == RANDOM)
+
+    def batch(self, indices: Indices) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+        """Return copies of the images [B, 84, 84, 3] and poses [B, 3] of some frames, in ascending order of index."""
+        ordered = np.sort(indices)
+        return np.asarray(self.frames[ordered]), self.poses[ordered]
+
+
+def open_store(folder: Path, scene_digest: str | None = None) -> FrameStore:
+    """Open a finished data set.
+
+    Args:
+        folder: Where it is.
+        scene_digest: The scene it must show, unless None.
+
+    Raises:
+        TwonavError: Missing, half-written, damaged, or of another scene.
+    """
+    meta = _meta_of(folder)
+    count = meta["frames"]
+    if scene_digest is not None and meta.get("scene_digest") != scene_digest:
+        raise TwonavError(
+            f"the frames in {folder} show another scene or another version of it "
+            f"({meta.get('scene', 'unknown')}): collect them again for this one"
+        )
+    if frames_done(folder) < count:
+        raise TwonavError(f"only {frames_done(folder)} of {count} frames are in {folder}: collect again to go on")
+    return FrameStore(
+        _array(folder / FRAMES_FILE, np.uint8, (count, *IMAGE_SHAPE), mapped=True),
+        _array(folder / POSES_FILE, np.float32, (count, 3)),
+        _array(folder / KINDS_FILE, np.uint8, (count,)),
+        _array(folder / SPLITS_FILE, np.uint8, (count,)),
+        meta,
+    )
+
+
+def _meta_of(folder: Path) -> dict[str, Any]:
+    try:
+        meta = json.loads((folder / META_FILE).read_text())
+    except FileNotFoundError:
+        raise TwonavError(f"there are no frames in {folder}: collect them first") from None
+    except (OSError, ValueError) as error:
+        raise TwonavError(f"{folder / META_FILE} cannot be read: delete {folder} and collect again") from error
+    if not isinstance(meta, dict) or meta.get("format") != FORMAT or not isinstance(meta.get("frames"), int):
+        raise TwonavError(f"{folder} holds no frames of this version of twonav: delete it and collect again")
+    return meta
+
+
+def _array(path: Path, dtype: Any, shape: tuple[int, ...], mapped: bool = False) -> NDArray[Any]:
+    """Return an array of a .npy file; nothing is unpickled."""
+    try:
+        array = np.load(path, mmap_mode="r" if mapped else None, allow_pickle=False)
+    except (OSError, ValueError, EOFError) as error:
+        raise TwonavError(f"{path} is missing or damaged: delete {path.parent} and collect again") from error
+    if array.dtype != dtype or array.shape != shape:
+        raise TwonavError(f"{path} has the wrong size: delete {path.parent} and collect again")
+    return np.asarray(array) if not mapped else array

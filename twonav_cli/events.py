@@ -1,0 +1,236 @@
+"""What happened: small records that loops emit, and that recordings, progress bars, the game and tests consume.
+
+Every event carries the clock (`trial`, `step`, `time_s`): `step` counts actions over the whole run and is never reset,
+`trial` counts attempts at a goal, `time_s` is simulated time. G goals, R rows, C columns, A = 4 actions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twonav_cli.geometry import Pose
+from twonav_cli.grid import Cell, GridFrame
+from twonav_cli.maze import Maze
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Clock:
+    """When an event happened."""
+
+    trial: int = 0
+    step: int = 0
+    time_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class Event:
+    """Anything that happened in a run."""
+
+    clock: Clock
+
+
+@dataclass(frozen=True)
+class RunStarted(Event):
+    """A run begins: everything that stays the same in it."""
+
+    command: str
+    """"play", "train" or "evaluate"."""
+    stage: str
+    """"maze", "3d" or "localizer"."""
+    scene: str
+    seed: int
+    settings: dict[str, str] = field(default_factory=dict)
+    maze: Maze | None = None
+    maze_frame: GridFrame | None = None
+    occupied: NDArray[np.bool_] | None = None
+    """[map rows, map cols] occupied pixels of the 5 cm map."""
+    map_frame: GridFrame | None = None
+
+
+@dataclass(frozen=True)
+class GoalChosen(Event):
+    """The next goal was chosen, by whom or by which rule."""
+
+    goal: str
+    reason: str
+    td_errors: FloatArray | None = None
+    """[G] largest TD error of each goal."""
+
+
+@dataclass(frozen=True)
+class TrialStarted(Event):
+    """One attempt at a goal begins."""
+
+    goal: str
+    start: Cell
+    pose_true: Pose | None = None
+
+
+@dataclass(frozen=True)
+class DriveTrace:
+    """What the controller weighed in one control period."""
+
+    candidates: NDArray[np.float32]
+    """[N, T, 2] rolled-out positions, map frame, metres, as the controller believes them."""
+    costs: NDArray[np.float32]
+    """[N] total cost; inf where the footprint would touch something."""
+    best: int
+    """Index of the chosen candidate, -1 when none was admissible."""
+    cost_map: NDArray[np.float32]
+    """[h, w] cost 0 (free) to 1 (touching) around the robot."""
+    cost_frame: GridFrame
+    """Where the cost map lies in the map frame."""
+
+
+@dataclass(frozen=True)
+class Tick(Event):
+    """One control period of a driving robot."""
+
+    pose_true: Pose
+    pose_believed: Pose
+    scan_m: FloatArray
+    """[180] ranges from right (-90 degrees) to left (+90 degrees); cut ranges read the cut."""
+    drive: DriveTrace | None = None
+    image: NDArray[np.uint8] | None = None
+    """[84, 84, 3] RGB when the camera was looked through in this period."""
+
+
+@dataclass(frozen=True)
+class StepTaken(Event):
+    """One action was chosen and carried out."""
+
+    goal: str
+    cell: Cell
+    """Where the agent believed to be before."""
+    action: int
+    next_cell: Cell
+    """Where the agent believes to be afterwards."""
+    outcome: str
+    """"reached", "blocked" or "timed-out"."""
+    q_values: FloatArray
+    """[A] values of the current goal in `cell`, before the update."""
+    td_errors: FloatArray
+    """[G] squared TD error of every goal at this step (Eq. 3)."""
+    greedy: bool
+    true_cell: Cell | None = None
+    """Where the robot really is afterwards."""
+    pose_true: Pose | None = None
+    pose_estimate: Pose | None = None
+    """The localizer's pose after the action, None in the maze."""
+    image: NDArray[np.uint8] | None = None
+    """[84, 84, 3] RGB, what the localizer saw after the action."""
+
+
+@dataclass(frozen=True)
+class TrialEnded(Event):
+    """One attempt at a goal is over."""
+
+    goal: str
+    start: Cell
+    outcome: str
+    """"reached", "time-out" or "false-arrival" (declared, but the robot stands elsewhere)."""
+    steps: int
+    shortest: int
+    cause: str = ""
+    """Why it failed, from a closed list: "", "mislocalized", "blocked", "loop", "time-out"."""
+    evidence: str = ""
+    pose_true: Pose | None = None
+    pose_estimate: Pose | None = None
+
+
+@dataclass(frozen=True)
+class TrialBatch(Event):
+    """Many trials of a compiled loop, as columns of length n."""
+
+    goal: NDArray[np.int64]
+    """[n] index of the goal."""
+    start: NDArray[np.int64]
+    """[n] index of the start."""
+    steps: NDArray[np.int64]
+    """[n] actions taken."""
+    reached: NDArray[np.bool_]
+    """[n] whether the goal was reached."""
+    shortest: NDArray[np.int64]
+    """[n] length of the shortest way."""
+    td_errors: FloatArray
+    """[n, G] largest TD error of each goal after the trial."""
+    last_step: NDArray[np.int64]
+    """[n] value of the run's step counter when the trial ended."""
+
+
+@dataclass(frozen=True)
+class GoalLearned(Event):
+    """A goal met the criterion."""
+
+    goal: str
+
+
+@dataclass(frozen=True)
+class QSnapshot(Event):
+    """The whole table at one moment."""
+
+    q: FloatArray
+    """[G, R, C, A]."""
+
+
+@dataclass(frozen=True)
+class Kidnapped(Event):
+    """The robot was carried elsewhere."""
+
+    pose_before: Pose
+    pose_after: Pose
+
+
+@dataclass(frozen=True)
+class FittingStep(Event):
+    """Progress of a network's training, every few batches. `clock.step` counts batches, `clock.trial` epochs."""
+
+    loss: float
+    learning_rate: float
+    images_per_s: float
+
+
+@dataclass(frozen=True)
+class FittingValidated(Event):
+    """A network was measured during its training. `clock.step` counts batches, `clock.trial` epochs."""
+
+    metrics: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Note(Event):
+    """A sentence for the log; level is INFO, WARN or ERROR."""
+
+    level: str
+    text: str
+
+
+@dataclass(frozen=True)
+class RunEnded(Event):
+    """A run is over."""
+
+    outcome: str
+
+
+Sink = Callable[[Event], None]
+"""Anything that consumes events."""
+
+
+def to_all(*sinks: Sink) -> Sink:
+    """Return a sink that hands each event to every given sink in order."""
+
+    def send(event: Event) -> None:
+        for sink in sinks:
+            sink(event)
+
+    return send
+
+
+def to_nobody(event: Event) -> None:
+    """Consume an event and do nothing."""

@@ -1,0 +1,1 @@
+"""The loops: learning trials, evaluation, playing."""

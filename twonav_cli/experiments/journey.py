@@ -1,0 +1,243 @@
+"""A journey: the goals a person asks for, one after another, driven by the agent, with a hand on the wheel.
+
+The loop runs in any thread. What the person wants arrives through `wishes` between two actions (or control periods);
+everything that happens leaves as events.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from twonav_cli.errors import TwonavError, unknown_name
+from twonav_cli.events import (
+    Clock,
+    Event,
+    GoalChosen,
+    Kidnapped,
+    Note,
+    QSnapshot,
+    Sink,
+    StepTaken,
+    TrialEnded,
+    TrialStarted,
+)
+from twonav_cli.experiments.failure import cause_of_failure
+from twonav_cli.geometry import Pose
+from twonav_cli.grid import Cell, GridFrame
+from twonav_cli.learner.agent import Agent
+from twonav_cli.maze import Maze
+from twonav_cli.stages.stage import REACHED, Observation, Stage
+
+
+class Stopped(Exception):
+    """The person left."""
+
+
+class Wishes(Protocol):
+    """What a person may want during a journey; the play screen implements it with a queue."""
+
+    def next_goal(self, wait: bool) -> str | None:
+        """Return a newly asked-for goal, if any; with `wait`, block until there is one or the person leaves."""
+
+    def take_kidnap(self) -> bool:
+        """Whether the robot is to be carried elsewhere, once."""
+
+    def take_move(self) -> int | None:
+        """Return an action that the person takes for the agent, once."""
+
+    def wait_for_permission(self) -> None:
+        """Block while paused."""
+
+    def pace(self) -> float:
+        """Return simulated seconds per second of watching; 0 for as fast as it goes."""
+
+    def left(self) -> bool:
+        """Whether the person has left."""
+
+
+class NoWishes:
+    """Nobody is watching: every goal in turn, as fast as it goes."""
+
+    def __init__(self, stop: threading.Event | None = None) -> None:
+        self._stop = stop or threading.Event()
+
+    def next_goal(self, wait: bool) -> str | None:
+        """Never a further goal."""
+        return None
+
+    def take_kidnap(self) -> bool:
+        """Never."""
+        return False
+
+    def take_move(self) -> int | None:
+        """Never."""
+        return None
+
+    def wait_for_permission(self) -> None:
+        """Go on at once."""
+
+    def pace(self) -> float:
+        """As fast as it goes."""
+        return 0.0
+
+    def left(self) -> bool:
+        """Whether the run is to be broken off."""
+        return self._stop.is_set()
+
+
+@dataclass(frozen=True)
+class Visit:
+    """How the drive to one goal ended."""
+
+    goal: str
+    outcome: str
+    steps: int
+    shortest: int
+
+
+class Journey:
+    """Drives to goals in a stage and keeps learning on the way (alpha 0.8, epsilon 0.1 in 3D, §4.3)."""
+
+    def __init__(
+        self, stage: Stage, frame: GridFrame, agent: Agent, rng: np.random.Generator, sink: Sink, wishes: Wishes
+    ) -> None:
+        self.stage = stage
+        self.frame = frame
+        self.agent = agent
+        self.maze: Maze = stage.maze
+        self.visits: list[Visit] = []
+        self._rng = rng
+        self._sink = sink
+        self._wishes = wishes
+        self._trial = 0
+        self._step = 0
+        self._shown_until_s = 0.0
+        self._seen: Observation
+
+    def run(self, goals: Iterable[str], start: Cell, stay: bool) -> list[Visit]:
+        """Visit goals in order, then (with `stay`) every goal the person asks for.
+
+        Args:
+            goals: Names of goals.
+            start: Where the robot is put down.
+            stay: Wait for further goals after the last one.
+
+        Raises:
+            TwonavError: A goal is unknown.
+            Stopped: Never; leaving ends the run early and the visits so far are returned.
+        """
+        waiting = deque(goals)
+        for name in waiting:
+            self._goal_index(name)
+        self._seen = self.stage.place(start)
+        self._sink(QSnapshot(self._clock(), self.agent.table()))
+        try:
+            while True:
+                goal = waiting.popleft() if waiting else self._wishes.next_goal(wait=stay)
+                if goal is None:
+                    return self.visits
+                self._visit(goal, waiting)
+        except Stopped:
+            return self.visits
+
+    def _visit(self, goal: str, waiting: deque[str]) -> None:
+        index = self._goal_index(goal)
+        start, begun = self._seen.cell, self._step
+        shortest = int(self.maze.distances_to(self.maze.goals[goal])[self._seen.true_cell])
+        self._sink(GoalChosen(self._clock(), goal, "asked for", self.agent.td_error_of_goals()))
+        self._sink(QSnapshot(self._clock(), self.agent.table()))
+        self._sink(TrialStarted(self._clock(), goal, start, self._seen.pose_true))
+        steps: list[StepTaken] = []
+        outcome = "time-out"
+        while self._step - begun < self.agent.config.trial_limit_steps:
+            self._between_actions(waiting)
+            if self._seen.cell == self.maze.goals[goal]:
+                outcome = REACHED if self._seen.true_cell == self.maze.goals[goal] else "false-arrival"
+                break
+            steps.append(self._take_step(goal, index))
+            if waiting and waiting[0] == "":  # a new goal was asked for on the way
+                waiting.popleft()
+                outcome = "given-up"
+                break
+        self._end_trial(goal, start, outcome, self._step - begun, shortest, steps)
+
+    def _take_step(self, goal: str, index: int) -> StepTaken:
+        before = self._seen
+        by_hand = self._wishes.take_move()
+        action, greedy = self.agent.choose(before.cell, index, self._rng)
+        action = action if by_hand is None else by_hand
+        values = self.agent.values(before.cell, index).copy()
+        result = self.stage.act(action, self._clock(), self._paced)
+        self._seen = result.observation
+        blocked = result.outcome != REACHED or self._seen.cell == before.cell
+        td_errors = self.agent.observe(before.cell, action, self._seen.cell, blocked)
+        self._step += 1
+        step = StepTaken(
+            self._clock(), goal, before.cell, action, self._seen.cell, result.outcome, values, td_errors, greedy,
+            self._seen.true_cell, self._seen.pose_true, self._seen.pose_estimate, self._seen.image,
+        )  # fmt: skip
+        self._paced(step)
+        return step
+
+    def _end_trial(
+        self, goal: str, start: Cell, outcome: str, steps: int, shortest: int, taken: list[StepTaken]
+    ) -> None:
+        cause, evidence = ("", "") if outcome in (REACHED, "given-up") else cause_of_failure(outcome, taken)
+        self.visits.append(Visit(goal, outcome, steps, shortest))
+        self._sink(
+            TrialEnded(
+                self._clock(), goal, start, outcome, steps, shortest, cause, evidence,
+                self._seen.pose_true, self._seen.pose_estimate,
+            )
+        )  # fmt: skip
+        self._trial += 1
+
+    def _between_actions(self, waiting: deque[str]) -> None:
+        self._wishes.wait_for_permission()
+        if self._wishes.left():
+            raise Stopped
+        if self._wishes.take_kidnap():
+            self._kidnap()
+        asked = self._wishes.next_goal(wait=False)
+        if asked is not None:
+            try:
+                self._goal_index(asked)
+            except TwonavError as error:
+                self._sink(Note(self._clock(), "WARN", str(error)))
+            else:
+                waiting.extendleft([asked, ""])
+
+    def _kidnap(self) -> None:
+        """Carry the robot to a free cell at random, without telling it."""
+        before = self._seen.pose_true or Pose(*self.frame.centre_of(self._seen.true_cell), 0.0)
+        free = self.maze.free_cells
+        self._seen = self.stage.place(free[int(self._rng.integers(len(free)))])
+        after = self._seen.pose_true or Pose(*self.frame.centre_of(self._seen.true_cell), 0.0)
+        self._sink(Kidnapped(self._clock(), before, after))
+        self._sink(Note(self._clock(), "WARN", f"kidnapped: carried to ({after.x_m:.1f}, {after.y_m:.1f}) m"))
+
+    def _paced(self, event: Event) -> None:
+        """Hand an event on and let simulated time pass as fast as the person wants."""
+        self._sink(event)
+        if self._wishes.left():
+            raise Stopped
+        pace = self._wishes.pace()
+        simulated_s = max(event.clock.time_s - self._shown_until_s, 0.0)
+        self._shown_until_s = max(event.clock.time_s, self._shown_until_s)
+        if pace > 0 and simulated_s > 0:
+            time.sleep(min(simulated_s / pace, 1.0))
+
+    def _clock(self) -> Clock:
+        return Clock(self._trial, self._step, self.stage.time_s)
+
+    def _goal_index(self, name: str) -> int:
+        if name not in self.agent.goal_names:
+            raise unknown_name("goal", name, self.agent.goal_names)
+        return self.agent.goal_names.index(name)

@@ -1,0 +1,102 @@
+"""What a command starts from: a checkpoint (the one named, the shipped one, or one of the user's own runs) and a stage.
+
+Everything heavy is imported when it is loaded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twonav_cli.checkpoint import CARD_FILE
+from twonav_cli.errors import TwonavError
+from twonav_cli.geometry import Pose
+from twonav_cli.paths import checkpoints_dir, runs_dir
+
+if TYPE_CHECKING:
+    from twonav_cli.learner.agent import Agent
+    from twonav_cli.mapping.floor import Floor
+    from twonav_cli.stages.maze_stage import MazeStage
+    from twonav_cli.stages.sim3d_stage import Sim3dOptions, Sim3dStage
+
+Localize = Callable[[NDArray[np.uint8]], Pose]
+
+STAGE_BEFORE = {"3d": "maze"}
+"""The stage whose agent a stage goes on from (2d comes between them once it exists)."""
+
+
+def checkpoint_folder(scene: str, name: str, chosen: Path | None = None, own_first: bool = False) -> Path:
+    """Return the folder of a scene's checkpoint.
+
+    Args:
+        scene: Name of the scene.
+        name: "maze", "3d" or "localizer".
+        chosen: Folder of a scene's checkpoints that the user named; then only this one counts.
+        own_first: Whether a run of the user's own goes before the shipped one (training does, playing does not).
+
+    Raises:
+        TwonavError: There is none; the message says which command makes it.
+    """
+    shipped, own = checkpoints_dir() / scene / name, runs_dir() / scene / name
+    candidates = [chosen / name] if chosen is not None else [own, shipped] if own_first else [shipped, own]
+    for folder in candidates:
+        if (folder / CARD_FILE).is_file():
+            return folder
+    where = f"in {chosen}" if chosen is not None else f"for scene {scene!r}"
+    raise TwonavError(
+        f"there is no {name} checkpoint {where}: make it with `twonav train --stage {name} --scene {scene}`"
+    )
+
+
+def load_agent(floor: Floor, stage: str, chosen: Path | None = None, own_first: bool = False) -> Agent:
+    """Load the agent that knows most about a stage: its own, else that of the stage before.
+
+    The learning settings are those of `stage`, whichever agent it is.
+
+    Raises:
+        TwonavError: No checkpoint, or one that is damaged or belongs to another scene or map.
+    """
+    from twonav_cli.config import learning_preset
+    from twonav_cli.learner.agent import Agent
+
+    try:
+        folder = checkpoint_folder(floor.scene.name, stage, chosen, own_first)
+    except TwonavError:
+        if stage not in STAGE_BEFORE:
+            raise
+        folder = checkpoint_folder(floor.scene.name, STAGE_BEFORE[stage], chosen, own_first)
+    return Agent.load(folder, floor.scene.digest, floor.map.digest, learning_preset(stage))
+
+
+def load_localize(floor: Floor, chosen: Path | None = None, own_first: bool = False) -> Localize:
+    """Load the scene's localizer as a function from an image [84, 84, 3] to a pose.
+
+    Raises:
+        TwonavError: No checkpoint, or one that is damaged or belongs to another scene.
+    """
+    from twonav_cli.localizer.estimator import Estimator
+
+    folder = checkpoint_folder(floor.scene.name, "localizer", chosen, own_first)
+    estimator = Estimator.load(folder, floor.scene.digest)
+    return lambda image: estimator.estimate(image).pose
+
+
+def make_stage(
+    floor: Floor, name: str, localize: Localize | None, seed: int, options: Sim3dOptions | None = None
+) -> MazeStage | Sim3dStage:
+    """Return a stage by name; `localize` None takes the simulator's truth.
+
+    Raises:
+        TwonavError: No renderer, or the scene cannot be simulated.
+    """
+    if name == "maze":
+        from twonav_cli.stages.maze_stage import MazeStage
+
+        return MazeStage(floor.maze)
+    from twonav_cli.stages.sim3d_stage import Sim3dStage
+
+    return Sim3dStage(floor, localize, seed, options)

@@ -1,0 +1,1 @@
+"""Multi-goal Q-learning: needs neither MuJoCo nor torch."""

@@ -1,0 +1,1 @@
+"""The pose from one image: the one place that imports torch."""

@@ -1,0 +1,1 @@
+"""Occupancy maps, their files, and the maze made from them."""

@@ -1,0 +1,1 @@
+"""From one cell to the next: cost map, shortest paths, dynamic window, cell driver."""

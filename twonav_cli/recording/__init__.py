@@ -1,0 +1,1 @@
+"""Events into a Rerun recording and back: the one place that imports rerun."""

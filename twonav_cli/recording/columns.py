@@ -1,0 +1,270 @@
+"""Buffered values of each track as Rerun columns: one function per track, no state.
+
+A track is a list of values of one kind that share their moments; it fills one or more entities. Everything under
+/drive/map is in the map frame, in metres, y up: the frame itself turns y for the viewer, whose 2D views have y down.
+n rows, N candidates, T poses of a candidate.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import rerun as rr
+from numpy.typing import NDArray
+
+from twonav_cli.config import ROBOT_FOOTPRINT_M
+from twonav_cli.events import DriveTrace
+from twonav_cli.geometry import Pose, wrap_angles
+from twonav_cli.grid import GridFrame
+from twonav_cli.recording.palette import COST_LEVELS, UintArray, cost_colours, packed
+
+FloatArray = NDArray[np.float64]
+Filled = list[tuple[str, Any]]
+"""Entity and its columns."""
+
+ARROW_M = 0.45
+LIDAR_FORWARD_M = 0.02
+"""Where the range finder sits, forward of the axle."""
+BEAM_ANGLES_RAD = np.linspace(-math.pi / 2, math.pi / 2, 180)
+JPEG_QUALITY = 85
+MAX_CANDIDATES = 24
+CANDIDATE_POSES = 6
+
+_OUTLINE = np.array([*ROBOT_FOOTPRINT_M, ROBOT_FOOTPRINT_M[0]])
+
+
+class Candidates(NamedTuple):
+    """What is kept of a drive trace."""
+
+    strips: NDArray[np.float32]
+    """[N, T, 2]"""
+    colours: UintArray
+    """[N]"""
+    best: NDArray[np.float32]
+    """[1, T, 2], or [0, T, 2] when none was admissible."""
+
+
+class CostPatch(NamedTuple):
+    """A cost map of few levels and where it lies."""
+
+    levels: NDArray[np.uint8]
+    frame: GridFrame
+
+
+class Marks(NamedTuple):
+    """Labelled points that accumulate."""
+
+    points: list[tuple[float, float]]
+    labels: list[str]
+    colours: list[int]
+
+
+def thinned_candidates(trace: DriveTrace) -> Candidates:
+    """Return at most MAX_CANDIDATES candidates, evenly over the cost order, with CANDIDATE_POSES positions each."""
+    count, poses = trace.candidates.shape[:2]
+    at = np.linspace(0, poses - 1, min(CANDIDATE_POSES, poses)).astype(int)
+    order = np.argsort(trace.costs)
+    chosen = order[np.linspace(0, count - 1, min(MAX_CANDIDATES, count)).astype(int)] if count else order
+    strips = trace.candidates[chosen][:, at].astype(np.float32)
+    best = trace.candidates[[trace.best] if trace.best >= 0 else []][:, at].astype(np.float32)
+    return Candidates(strips, cost_colours(trace.costs[chosen]), best)
+
+
+def cost_patch(trace: DriveTrace) -> CostPatch:
+    """Return the cost map in COST_LEVELS levels."""
+    levels = np.clip(np.ceil(trace.cost_map * (COST_LEVELS - 1)), 0, COST_LEVELS - 1)
+    return CostPatch(levels.astype(np.uint8), trace.cost_frame)
+
+
+def _pose_array(poses: Sequence[Pose]) -> FloatArray:
+    return np.array(poses, dtype=np.float64).reshape(-1, 3)
+
+
+def _arrows(poses: FloatArray) -> Any:
+    heading = np.stack([np.cos(poses[:, 2]), np.sin(poses[:, 2])], axis=1)
+    return rr.Arrows2D.columns(origins=poses[:, :2], vectors=ARROW_M * heading)
+
+
+def _outlines(poses: FloatArray) -> FloatArray:
+    """Return the robot's outline [n, 9, 2] in the map frame at each pose [n, 3]."""
+    cos, sin = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    rotation = np.stack([np.stack([cos, sin], -1), np.stack([-sin, cos], -1)], axis=1)
+    return np.asarray(_OUTLINE @ rotation + poses[:, None, :2], dtype=np.float64)
+
+
+def _errors(name: str, true: FloatArray, other: FloatArray) -> Filled:
+    distance = np.hypot(*(other - true)[:, :2].T)
+    turn = np.degrees(np.abs(wrap_angles(other[:, 2] - true[:, 2])))
+    return [
+        (f"metrics/position_error/{name}", rr.Scalars.columns(scalars=distance)),
+        (f"metrics/heading_error/{name}", rr.Scalars.columns(scalars=turn)),
+    ]
+
+
+def pose_columns(values: Sequence[tuple[Pose, Pose]]) -> Filled:
+    """True and believed pose of a tick: arrows, the line between them, the outline, the errors."""
+    true, believed = _pose_array([v[0] for v in values]), _pose_array([v[1] for v in values])
+    between = np.stack([true[:, :2], believed[:, :2]], axis=1).astype(np.float32)
+    here = np.concatenate([true[:, :2], np.zeros((len(true), 1))], axis=1)
+    return [
+        ("drive/map/robot/true", _arrows(true)),
+        ("drive/map/robot/believed", _arrows(believed)),
+        ("drive/map/robot/error", rr.LineStrips2D.columns(strips=between)),
+        ("drive/map/robot/footprint", rr.LineStrips2D.columns(strips=_outlines(true).astype(np.float32))),
+        ("drive/map/here", rr.Transform3D.columns(translation=here)),
+        *_errors("believed", true, believed),
+    ]
+
+
+def estimate_columns(values: Sequence[tuple[Pose, Pose]]) -> Filled:
+    """True pose and the localizer's pose after an action."""
+    true, estimate = _pose_array([v[0] for v in values]), _pose_array([v[1] for v in values])
+    return [("drive/map/robot/estimate", _arrows(estimate)), *_errors("localizer", true, estimate)]
+
+
+def position_columns(values: Sequence[tuple[float, float]]) -> Filled:
+    """Position in a stage without poses: the centre of the cell."""
+    return [("drive/map/robot/cell", rr.Points2D.columns(positions=np.array(values, dtype=np.float32)))]
+
+
+def scan_columns(values: Sequence[tuple[Pose, NDArray[np.float32]]]) -> Filled:
+    """Laser points in the map frame; beams that read the cut (the largest range) are left out."""
+    poses, scans = _pose_array([v[0] for v in values]), np.stack([v[1] for v in values])
+    hit = scans < scans.max(axis=1, keepdims=True) - 1e-4
+    angles = poses[:, 2:] + BEAM_ANGLES_RAD
+    xs = poses[:, :1] + LIDAR_FORWARD_M * np.cos(poses[:, 2:]) + scans * np.cos(angles)
+    ys = poses[:, 1:2] + LIDAR_FORWARD_M * np.sin(poses[:, 2:]) + scans * np.sin(angles)
+    points = np.stack([xs, ys], axis=-1)[hit].astype(np.float32)
+    return [("drive/map/scan", rr.Points2D.columns(positions=points).partition(hit.sum(axis=1)))]
+
+
+def _strips(strips: Sequence[NDArray[np.float32]]) -> Any:
+    """Return one row per array [k, T, 2] of k strips."""
+    return rr.LineStrips2D.columns(strips=np.concatenate(strips)).partition([len(s) for s in strips])
+
+
+def candidate_columns(values: Sequence[Candidates]) -> Filled:
+    """Candidate motions coloured by cost, and the chosen one."""
+    lengths = [len(v.strips) for v in values]
+    colours = rr.LineStrips2D.columns(colors=np.concatenate([v.colours for v in values])).partition(lengths)
+    return [
+        ("drive/map/dwa/candidates", [*_strips([v.strips for v in values]), *colours]),
+        ("drive/map/dwa/best", _strips([v.best for v in values])),
+    ]
+
+
+def cost_columns(values: Sequence[CostPatch]) -> Filled:
+    """Local cost map as an image, and where its top left corner lies."""
+    formats = [
+        rr.components.ImageFormat(width=v.levels.shape[1], height=v.levels.shape[0], channel_datatype="U8")
+        for v in values
+    ]
+    corner = np.array([(v.frame.x_min_m, v.frame.y_max_m, 0.0) for v in values])
+    scale = np.array([(v.frame.resolution_m, -v.frame.resolution_m, 1.0) for v in values])
+    sizes = [v.levels.size for v in values]
+    if len(set(sizes)) == 1:
+        pixels: Any = np.stack([v.levels.ravel() for v in values])
+    else:
+        pixels = [v.levels.ravel() for v in values]
+    return [
+        ("drive/map/dwa/cost", rr.SegmentationImage.columns(buffer=pixels, format=formats)),
+        ("drive/map/dwa/cost", rr.Transform3D.columns(translation=corner, scale=scale)),
+    ]
+
+
+def camera_columns(values: Sequence[NDArray[np.uint8]]) -> Filled:
+    """Camera pictures [84, 84, 3] as JPEG: 1.3 kB instead of 21."""
+    import cv2
+
+    quality = [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]
+    blobs = [cv2.imencode(".jpg", image[..., ::-1], quality)[1].tobytes() for image in values]
+    return [("camera/rgb", rr.EncodedImage.columns(blob=blobs, media_type=["image/jpeg"] * len(blobs)))]
+
+
+def trail_columns(values: Sequence[NDArray[np.float32]]) -> Filled:
+    """Way driven so far in the trial: one strip [k, 2] per row."""
+    return [("drive/map/robot/trail", rr.LineStrips2D.columns(strips=list(values)))]
+
+
+def goal_columns(values: Sequence[tuple[float, float]]) -> Filled:
+    """Position of the goal that is driven to."""
+    return [("drive/map/goal", rr.Points2D.columns(positions=np.array(values, dtype=np.float32)))]
+
+
+def mark_columns(values: Sequence[Marks]) -> Filled:
+    """All failures so far as points, and the latest ones with their names."""
+    recent = [Marks(v.points[-6:], v.labels[-6:], v.colours[-6:]) for v in values]
+    return [
+        ("drive/map/failures/all", _points(values, with_labels=False)),
+        ("drive/map/failures/latest", _points(recent, with_labels=True)),
+    ]
+
+
+def _points(values: Sequence[Marks], *, with_labels: bool) -> Any:
+    lengths = [len(v.points) for v in values]
+    columns = [
+        *rr.Points2D.columns(positions=np.concatenate([np.array(v.points, np.float32) for v in values])).partition(
+            lengths
+        ),
+        *rr.Points2D.columns(colors=packed([c for v in values for c in v.colours])).partition(lengths),
+    ]
+    if with_labels:
+        labels = [label for v in values for label in v.labels]
+        columns += rr.Points2D.columns(labels=labels).partition(lengths)
+    return columns
+
+
+def _scalars(entity: str) -> Callable[[Sequence[Any]], Filled]:
+    def fill(values: Sequence[Any]) -> Filled:
+        return [(entity, rr.Scalars.columns(scalars=np.array(values, dtype=np.float64)))]
+
+    return fill
+
+
+def _state(entity: str) -> Callable[[Sequence[str]], Filled]:
+    def fill(values: Sequence[str]) -> Filled:
+        return [(entity, rr.StateChange.columns(state=list(values)))]
+
+    return fill
+
+
+def log_columns(values: Sequence[tuple[str, str]]) -> Filled:
+    """Sentences with their level."""
+    return [("log", rr.TextLog.columns(level=[v[0] for v in values], text=[v[1] for v in values]))]
+
+
+def trial_columns(values: Sequence[dict[str, Any]]) -> Filled:
+    """One machine-readable row per trial; every value has the same keys."""
+    columns = {key: [value[key] for value in values] for key in values[0]}
+    return [("trials", rr.AnyValues.columns(**columns))]
+
+
+COLUMNS: dict[str, Callable[[Sequence[Any]], Filled]] = {
+    "pose": pose_columns,
+    "estimate": estimate_columns,
+    "position": position_columns,
+    "scan": scan_columns,
+    "candidates": candidate_columns,
+    "cost": cost_columns,
+    "camera": camera_columns,
+    "trail": trail_columns,
+    "goal": goal_columns,
+    "failures": mark_columns,
+    "log": log_columns,
+    "trials": trial_columns,
+    "step/q": _scalars("metrics/q_values"),
+    "step/td_error": _scalars("metrics/td_error"),
+    "state/goal": _state("state/1 goal"),
+    "state/outcome": _state("state/2 outcome"),
+    "state/cause": _state("state/3 cause"),
+    "learning/td_error": _scalars("learning/td_error"),
+    "learning/steps": _scalars("learning/steps"),
+    "learning/reached": _scalars("learning/reached"),
+    "fit/loss": _scalars("train/loss"),
+    "fit/learning_rate": _scalars("train/learning_rate"),
+    "fit/images_per_s": _scalars("train/images_per_s"),
+}
+"""Track to the function that fills its entities."""

@@ -1,0 +1,1 @@
+"""Scenes, the robot in them and its sensors: the one place that imports MuJoCo."""

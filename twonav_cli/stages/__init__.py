@@ -1,0 +1,1 @@
+"""The worlds an agent can learn in, behind one protocol."""

@@ -1,0 +1,49 @@
+"""The maze as a stage: every action does what it says, and the agent knows where it is."""
+
+from __future__ import annotations
+
+from twonav_cli.errors import TwonavError
+from twonav_cli.events import Clock, Sink
+from twonav_cli.grid import Cell
+from twonav_cli.maze import Maze
+from twonav_cli.stages.stage import BLOCKED, REACHED, ActionResult, Observation
+
+
+class MazeStage:
+    """Cells and walls; time stands still."""
+
+    name = "maze"
+
+    def __init__(self, maze: Maze) -> None:
+        self.maze = maze
+        self._cell: Cell | None = None
+
+    @property
+    def time_s(self) -> float:
+        """Always 0: a maze has no clock."""
+        return 0.0
+
+    def place(self, cell: Cell) -> Observation:
+        """Put the robot into a free cell.
+
+        Raises:
+            TwonavError: The cell is blocked or outside.
+        """
+        inside = 0 <= cell.row < self.maze.rows and 0 <= cell.col < self.maze.cols
+        if not inside or self.maze.blocked[cell]:
+            raise TwonavError(f"the robot cannot start in the blocked cell {tuple(cell)}: choose a free one")
+        self._cell = cell
+        return Observation(cell, cell)
+
+    def act(self, action: int, clock: Clock, sink: Sink) -> ActionResult:
+        """Move to the neighbouring cell, or stay where a wall is.
+
+        Raises:
+            TwonavError: The robot was not placed yet.
+        """
+        if self._cell is None:
+            raise TwonavError("the robot stands nowhere yet: place it in a cell first")
+        cell = self.maze.moved(self._cell, action)
+        outcome = BLOCKED if cell == self._cell else REACHED
+        self._cell = cell
+        return ActionResult(outcome, Observation(cell, cell))

@@ -1,0 +1,142 @@
+"""The 3D stage: MuJoCo physics, the camera, and a pose that is only an estimate (§4.3.1).
+
+At every cell border the agent looks once: the estimated pose sets the grid cell. Between two looks the local
+controller trusts odometry from the last estimate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twonav_cli.config import DriveConfig, OdometryNoise
+from twonav_cli.events import Clock, DriveTrace, Sink, Tick
+from twonav_cli.geometry import FloatArray, Pose
+from twonav_cli.grid import Cell, GridFrame
+from twonav_cli.mapping.floor import Floor
+from twonav_cli.maze import Maze
+from twonav_cli.navigation.cell_driver import CellDriver
+from twonav_cli.rng import stream
+from twonav_cli.scene.camera import Camera
+from twonav_cli.scene.laser import RangeFinder
+from twonav_cli.scene.world import World
+from twonav_cli.stages.robot_body import RobotBody
+from twonav_cli.stages.stage import ActionResult, Observation
+
+Image = NDArray[np.uint8]
+Localize = Callable[[Image], Pose]
+
+
+@dataclass(frozen=True)
+class Sim3dOptions:
+    """What may differ between runs of the 3D stage."""
+
+    base: str = "omni"
+    drive: DriveConfig = DriveConfig()
+    noise: OdometryNoise = OdometryNoise()
+    image_every_tick: bool = False
+    """Look through the camera in every control period (for watching; the agent does not see these)."""
+    trace: bool = False
+    """Send what the controller weighed with every tick."""
+
+
+class Sim3dStage:
+    """A robot with a body in a furnished scene; implements `Stage`."""
+
+    name = "3d"
+
+    def __init__(self, floor: Floor, localize: Localize | None, seed: int, options: Sim3dOptions | None = None) -> None:
+        """Build the world.
+
+        Args:
+            floor: Scene, map and maze.
+            localize: Pose from an image [84, 84, 3]; None takes the simulator's truth.
+            seed: Seed of the odometry noise and of the headings at places that name none.
+            options: Base, controller and what to send along.
+        """
+        self.options = options or Sim3dOptions()
+        self.maze: Maze = floor.maze
+        self.frame: GridFrame = floor.maze_frame
+        self.world = World(floor.scene, self.options.base)
+        self.camera = Camera(self.world)
+        self.collisions = 0
+        self._localize = localize
+        self._laser = RangeFinder(self.world)
+        self._body = RobotBody(self.world, self._laser, self.options.noise, stream(seed, "odometry"))
+        self._driver = CellDriver(self.options.drive, self.options.base, floor.map.occupied, floor.map.frame)
+        self._headings = {floor.maze.starts[name]: pose.theta_rad for name, pose in floor.scene.starts.items()}
+        self._placing = stream(seed, "placing")
+        self._snap = _nearest_free_cells(floor.maze)
+        self._believed = self.world.pose()
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time."""
+        return float(self.world.time_s)
+
+    def place(self, cell: Cell) -> Observation:
+        """Put the robot at the centre of a cell, with the scene's heading if the cell is a start."""
+        heading = self._headings.get(cell)
+        if heading is None:
+            heading = float(self._placing.uniform(-np.pi, np.pi))
+        x_m, y_m = self.frame.centre_of(cell)
+        return self.place_at(Pose(x_m, y_m, heading))
+
+    def place_at(self, pose: Pose) -> Observation:
+        """Put the robot at any pose and look."""
+        self.world.place(pose)
+        self._body.settle()
+        return self.look()
+
+    def look(self) -> Observation:
+        """Take a picture, estimate the pose and take it as the pose that the controller believes."""
+        true = self.world.pose()
+        image = self.camera.image()
+        estimate = true if self._localize is None else self._localize(image)
+        self._believed = estimate
+        return Observation(
+            cell=self._snap[self.frame.cell_at(estimate.x_m, estimate.y_m)],
+            true_cell=self.frame.cell_at(true.x_m, true.y_m),
+            pose_true=true,
+            pose_estimate=estimate,
+            image=image,
+        )
+
+    def act(self, action: int, clock: Clock, sink: Sink) -> ActionResult:
+        """Drive to the neighbouring cell, or try to, and look."""
+        here = self._snap[self.frame.cell_at(self._believed.x_m, self._believed.y_m)]
+        target = self._beyond(here, action)
+
+        def on_tick(believed: Pose, scan_m: FloatArray, trace: DriveTrace | None) -> None:
+            self.collisions += bool(self._body.touched)
+            image = self.camera.image() if self.options.image_every_tick else None
+            moment = replace(clock, time_s=self.time_s)
+            sink(Tick(moment, self.world.pose(), believed, scan_m, trace, image))
+
+        outcome, _ = self._driver.drive_to(self._body, self._believed, target, on_tick, self.options.trace)
+        return ActionResult(outcome, self.look())
+
+    def _beyond(self, cell: Cell, action: int) -> tuple[float, float]:
+        """Return the centre of the neighbouring place, also where that is no free cell."""
+        x_m, y_m = self.frame.centre_of(cell)
+        edge_m = self.frame.resolution_m
+        dx, dy = ((0, 1), (0, -1), (-1, 0), (1, 0))[action]
+        return x_m + dx * edge_m, y_m + dy * edge_m
+
+    def close(self) -> None:
+        """Give back the renderer."""
+        self.camera.close()
+
+
+def _nearest_free_cells(maze: Maze) -> dict[Cell, Cell]:
+    """Return for every cell the free cell nearest to it: an estimate in a wall means the floor beside it."""
+    free = np.argwhere(~maze.blocked)
+    nearest: dict[Cell, Cell] = {}
+    for row in range(maze.rows):
+        for col in range(maze.cols):
+            away = ((free - (row, col)) ** 2).sum(axis=1)
+            nearest[Cell(row, col)] = Cell(*(int(i) for i in free[int(away.argmin())]))
+    return nearest

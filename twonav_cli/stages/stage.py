@@ -1,0 +1,57 @@
+"""What every stage can do: put the robot somewhere, and carry out one action."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twonav_cli.events import Clock, Sink
+from twonav_cli.geometry import Pose
+from twonav_cli.grid import Cell
+from twonav_cli.maze import Maze
+
+REACHED = "reached"
+BLOCKED = "blocked"
+TIMED_OUT = "timed-out"
+
+
+@dataclass(frozen=True)
+class Observation:
+    """What is known between two actions."""
+
+    cell: Cell
+    """Where the agent believes to be."""
+    true_cell: Cell
+    """Where it is."""
+    pose_true: Pose | None = None
+    pose_estimate: Pose | None = None
+    image: NDArray[np.uint8] | None = None
+    """[84, 84, 3] RGB the estimate was made from."""
+
+
+@dataclass(frozen=True)
+class ActionResult:
+    """How an action ended: `outcome` is REACHED, BLOCKED or TIMED_OUT as the stage noticed it."""
+
+    outcome: str
+    observation: Observation
+
+
+class Stage(Protocol):
+    """A world with cells and four actions."""
+
+    name: str
+    maze: Maze
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time since the stage was made."""
+
+    def place(self, cell: Cell) -> Observation:
+        """Put the robot at the centre of a free cell and look."""
+
+    def act(self, action: int, clock: Clock, sink: Sink) -> ActionResult:
+        """Carry out one action, sending a Tick per control period (if the stage has any), and look."""

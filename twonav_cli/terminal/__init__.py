@@ -1,0 +1,1 @@
+"""The command line, the play screen and what they print."""

@@ -1,0 +1,191 @@
+"""The command line: thin commands that parse, call and print. Heavy packages are imported inside them."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from twonav_cli.errors import TwonavError
+
+app = typer.Typer(
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    add_completion=False,
+    help="A robot learns to find its way through an apartment from its own camera, and shows why it does or does not.",
+)
+scenes_app = typer.Typer(help="List the scenes, or look at one.", invoke_without_command=True)
+app.add_typer(scenes_app, name="scenes")
+
+SceneOption = Annotated[
+    str, typer.Option("--scene", help="Name of a scene (see `twonav scenes`) or path to an .xml.")
+]
+SeedOption = Annotated[int, typer.Option("--seed", min=0, help="Seed of everything random in the run.")]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output.")]
+RecordOption = Annotated[Path | None, typer.Option("--record", help="Where the recording (.rrd) goes.")]
+NoRecordOption = Annotated[bool, typer.Option("--no-record", help="Write no recording.")]
+BaseOption = Annotated[str, typer.Option("--base", help="omni or differential.")]
+CheckpointsOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--checkpoints", help="Folder of a scene's checkpoints (maze, localizer, 3d); default: the shipped."
+    ),
+]
+
+
+@app.command()
+def play(
+    goal: Annotated[
+        list[str] | None, typer.Option("--goal", help="Goal to drive to; repeat for more.")
+    ] = None,
+    scene: SceneOption = "apartment",
+    stage: Annotated[str, typer.Option("--stage", help="maze, 2d or 3d.")] = "3d",
+    start: Annotated[
+        str | None, typer.Option("--start", help="Start to begin at; default: drawn from the seed.")
+    ] = None,
+    seed: SeedOption = 0,
+    record: RecordOption = None,
+    no_record: NoRecordOption = False,
+    plain: Annotated[
+        bool, typer.Option("--plain", help="One line per action instead of the live screen.")
+    ] = False,
+    localizer: Annotated[str, typer.Option("--localizer", help="raw (camera) or truth (3d only).")] = "raw",
+    base: BaseOption = "omni",
+    speed: Annotated[
+        float, typer.Option("--speed", min=0.0, help="Simulated seconds per second; 0: no limit.")
+    ] = 4.0,
+    checkpoints: CheckpointsOption = None,
+    keys: Annotated[
+        str | None, typer.Option("--keys", help="Keys to press, as in 'kitchen<enter> q'.")
+    ] = None,
+) -> None:
+    """Watch the robot drive to the goals you name, from its own camera; ask for more at the prompt."""
+    from twonav_cli.terminal.play import PlayRequest, run_play
+
+    request = PlayRequest(
+        scene=scene, stage=stage, goals=tuple(goal or ()), start=start, seed=seed, record=record,
+        recording=not no_record, plain=plain, localizer=localizer, base=base, speed=speed,
+        checkpoints=checkpoints, keys=keys,
+    )  # fmt: skip
+    raise typer.Exit(run_play(request))
+
+
+@app.command()
+def train(
+    stage: Annotated[str, typer.Option("--stage", help="maze, localizer or 3d.")],
+    scene: SceneOption = "apartment",
+    seed: SeedOption = 0,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on where the last run of this stage stopped.")
+    ] = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Folder for the checkpoint; default: runs/SCENE/STAGE.")
+    ] = None,
+    record: RecordOption = None,
+    no_record: NoRecordOption = False,
+    device: Annotated[str, typer.Option("--device", help="cpu or cuda (localizer only).")] = "cpu",
+    threads: Annotated[int, typer.Option("--threads", min=1, help="CPU threads (localizer only).")] = 2,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="A small run that shows that everything works.")
+    ] = False,
+    base: BaseOption = "omni",
+    json_: JsonOption = False,
+) -> None:
+    """Train one stage: the maze agent, the localizer, or the agent in 3D with the localizer's poses."""
+    from twonav_cli.terminal.train import TrainRequest, run_train
+
+    request = TrainRequest(
+        stage=stage, scene=scene, seed=seed, resume=resume, out=out, record=record, recording=not no_record,
+        device=device, threads=threads, quick=quick, base=base, as_json=json_,
+    )  # fmt: skip
+    raise typer.Exit(run_train(request))
+
+
+@app.command()
+def evaluate(
+    stage: Annotated[str, typer.Option("--stage", help="3d, maze or localizer.")] = "3d",
+    localizer: Annotated[str, typer.Option("--localizer", help="raw (camera) or truth (3d only).")] = "raw",
+    scene: SceneOption = "apartment",
+    seed: SeedOption = 0,
+    record: RecordOption = None,
+    base: BaseOption = "omni",
+    frames: Annotated[
+        int, typer.Option("--frames", min=1, help="Held-out random poses (localizer only).")
+    ] = 4000,
+    checkpoints: CheckpointsOption = None,
+    json_: JsonOption = False,
+) -> None:
+    """Measure: every goal from every start, or the localizer's errors on held-out random poses."""
+    from twonav_cli.terminal.evaluate import EvaluateRequest, run_evaluate
+
+    request = EvaluateRequest(
+        stage=stage, localizer=localizer, scene=scene, seed=seed, record=record, base=base, frames=frames,
+        checkpoints=checkpoints, as_json=json_,
+    )  # fmt: skip
+    raise typer.Exit(run_evaluate(request))
+
+
+@app.command()
+def inspect(
+    file: Annotated[Path, typer.Argument(help="A recording (.rrd) that twonav wrote.")],
+    json_: JsonOption = False,
+) -> None:
+    """Print a recording's trials, outcomes and failures, and the command that opens it in the viewer."""
+    from twonav_cli.terminal.inspect import run_inspect
+
+    raise typer.Exit(run_inspect(file, json_))
+
+
+@app.command()
+def doctor(json_: JsonOption = False) -> None:
+    """Report renderer, versions, device, scenes and checkpoints, and what to do about what is missing."""
+    from twonav_cli.terminal.doctor import run_doctor
+
+    raise typer.Exit(run_doctor(json_))
+
+
+@scenes_app.callback()
+def scenes(context: typer.Context, json_: JsonOption = False) -> None:
+    """List the scenes."""
+    if context.invoked_subcommand is None:
+        from twonav_cli.terminal.scenes import run_list
+
+        raise typer.Exit(run_list(json_))
+
+
+@scenes_app.command("show")
+def scenes_show(scene: Annotated[str, typer.Argument(help="Name of a scene or path to an .xml.")]) -> None:
+    """Draw a scene's floor plan with its goals and starts."""
+    from twonav_cli.terminal.scenes import run_show
+
+    raise typer.Exit(run_show(scene))
+
+
+@app.command()
+def version() -> None:
+    """Print the version."""
+    from twonav_cli import __version__
+
+    typer.echo(__version__)
+
+
+def main() -> None:
+    """Run the command line; a TwonavError is one red line and exit code 1, Ctrl-C is 130."""
+    import signal
+
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    try:
+        app()
+    except TwonavError as error:
+        from twonav_cli.terminal.console import fail
+
+        fail(str(error))
+        sys.exit(1)
+    except KeyboardInterrupt:
+        sys.exit(130)
+    except BrokenPipeError:
+        sys.stderr.close()
+        sys.exit(141)

@@ -1,0 +1,51 @@
+"""The colours of the play screen. None of them is told from another by red against green alone."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Rgb = tuple[int, int, int]
+
+OUTSIDE: Rgb = (13, 17, 23)
+FLOOR: Rgb = (36, 42, 52)
+WALL: Rgb = (168, 178, 192)
+TRAIL: Rgb = (38, 132, 150)
+SCAN: Rgb = (222, 143, 70)
+TRUE: Rgb = (60, 220, 240)
+ESTIMATE: Rgb = (240, 90, 220)
+GOAL: Rgb = (200, 208, 220)
+CURRENT_GOAL: Rgb = (250, 214, 60)
+ROOM: Rgb = (128, 140, 158)
+DARK: Rgb = (10, 12, 16)
+TOGETHER: Rgb = (130, 0, 95)
+QUIET: Rgb = (110, 122, 140)
+ALARM: Rgb = (255, 123, 84)
+
+VIRIDIS: NDArray[np.float64] = np.array(
+    [
+        (72, 40, 120),
+        (62, 74, 137),
+        (49, 104, 142),
+        (38, 130, 142),
+        (31, 158, 137),
+        (53, 183, 121),
+        (110, 206, 88),
+        (181, 222, 43),
+        (253, 231, 37),
+    ],
+    dtype=np.float64,
+)
+"""Matplotlib's viridis at ninths; the darkest end is left out because it vanishes on a dark terminal."""
+
+
+def viridis(shares: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """Return the colours [..., 3] of numbers [...] from 0 (dark blue) to 1 (yellow)."""
+    places = np.clip(shares, 0.0, 1.0) * (len(VIRIDIS) - 1)
+    anchors = np.arange(len(VIRIDIS))
+    return np.stack([np.interp(places, anchors, VIRIDIS[:, c]) for c in range(3)], axis=-1).astype(np.uint8)
+
+
+def hexadecimal(colour: Rgb) -> str:
+    """Return a colour as #rrggbb."""
+    return "#{:02x}{:02x}{:02x}".format(*colour)

@@ -1,0 +1,204 @@
+"""The floor plan drawn in characters, with what moves on it; coloured half-blocks, or ASCII without any colour.
+
+G goals, R rows, C columns of the maze; a place is a character of the terminal.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twonav_cli.geometry import Pose, points_in_map
+from twonav_cli.terminal import palette
+from twonav_cli.terminal.picture import Picture, picture_of_glyphs, picture_of_pixels
+from twonav_cli.terminal.plan import Plan, Sheet, fitted, goal_key, shares
+
+HEADINGS = "→↗↑↖←↙↓↘"
+"""One glyph per eighth of a turn, from +x counter-clockwise."""
+
+ACTION_ARROWS = np.array(list("↑↓←→"))
+ACTION_ARROWS_ASCII = np.array(list("^v<>"))
+WALL_SHARE = 0.3
+"""Share of a character that must be occupied before ASCII draws it as a wall."""
+
+ARROW_SHARE = 0.12
+"""Share of a character that may be occupied where an arrow still stands."""
+
+BEAMS_RAD = np.linspace(-math.pi / 2, math.pi / 2, 180)
+
+
+@dataclass(frozen=True)
+class Marks:
+    """What moves on a plan.
+
+    Attributes:
+        goal: Name of the current goal.
+        pose_true: Where the robot is.
+        pose_estimate: Where it believes to be.
+        trail: Positions (x_m, y_m) it came along.
+        scan_m: [180] ranges from right to left, drawn where the beam hit something.
+        arrows: [R, C] best action towards the goal, -1 for none.
+        values: [R, C] their values, for the colour.
+        names: Whether every goal carries its name, not the current one only.
+    """
+
+    goal: str = ""
+    pose_true: Pose | None = None
+    pose_estimate: Pose | None = None
+    trail: tuple[tuple[float, float], ...] = ()
+    scan_m: NDArray[np.float64] | None = None
+    arrows: NDArray[np.int8] | None = None
+    values: NDArray[np.float64] | None = None
+    names: bool = False
+
+
+def draw_plan(plan: Plan, marks: Marks, rows: int, cols: int, coloured: bool = True) -> Picture:
+    """Return the plan as the largest picture of its own shape within `rows` x `cols` characters."""
+    sheet = fitted(plan, rows, cols)
+    if not coloured:
+        picture = picture_of_glyphs(_floor_glyphs(plan, sheet).copy())
+        _put_arrows(picture, plan, sheet, marks, ACTION_ARROWS_ASCII)
+        for x_m, y_m in marks.trail:
+            _put_at(picture, sheet, x_m, y_m, "*")
+    else:
+        pixels = _floor_pixels(plan, sheet).copy()
+        _put_trail(pixels, sheet, marks)
+        picture = picture_of_pixels(pixels)
+        _put_arrows(picture, plan, sheet, marks, ACTION_ARROWS)
+    for name, (x_m, y_m) in plan.rooms.items():
+        _put_centred(picture, sheet, x_m, y_m, name)
+    _put_goals(picture, plan, sheet, marks)
+    _put_robot(picture, sheet, marks)
+    return picture
+
+
+@lru_cache(maxsize=16)
+def _floor_pixels(plan: Plan, sheet: Sheet) -> NDArray[np.uint8]:
+    """Return walls, floor and outside [2 rows, cols, 3]; a pixel that is partly wall is a mixture."""
+    occupied, inside = shares(plan, 2 * sheet.rows, sheet.cols)
+    known = np.where(occupied < 1, inside / np.maximum(1 - occupied, 1e-9), 0.0)[..., None]
+    ground = known * palette.FLOOR + (1 - known) * palette.OUTSIDE
+    wall = np.minimum(occupied * 1.25, 1.0)[..., None] ** 0.8
+    return np.asarray(ground * (1 - wall) + wall * palette.WALL, dtype=np.uint8)
+
+
+@lru_cache(maxsize=16)
+def _floor_glyphs(plan: Plan, sheet: Sheet) -> NDArray[np.str_]:
+    """Return walls as #, floor as ., outside as blank [rows, cols]."""
+    occupied, inside = shares(plan, sheet.rows, sheet.cols)
+    return np.where(occupied >= WALL_SHARE, "#", np.where(inside > 0.3, ".", " ")).astype("<U1")
+
+
+def _put_trail(pixels: NDArray[np.uint8], sheet: Sheet, marks: Marks) -> None:
+    """Colour the pixels of the trail, and of what the laser hit."""
+    for x_m, y_m in marks.trail:
+        if (pixel := sheet.pixel_at(x_m, y_m)) is not None:
+            pixels[pixel] = palette.TRAIL
+    if marks.scan_m is None or marks.pose_true is None or len(marks.scan_m) != len(BEAMS_RAD):
+        return
+    hit = marks.scan_m < marks.scan_m.max() - 1e-3
+    beams = np.stack([np.cos(BEAMS_RAD), np.sin(BEAMS_RAD)], axis=-1)[hit] * marks.scan_m[hit, None]
+    for x_m, y_m in points_in_map(marks.pose_true, beams):
+        if (pixel := sheet.pixel_at(float(x_m), float(y_m))) is not None:
+            pixels[pixel] = palette.SCAN
+
+
+def _put_arrows(picture: Picture, plan: Plan, sheet: Sheet, marks: Marks, glyphs: NDArray[np.str_]) -> None:
+    """Write the arrow of the maze cell under every free character; of several in one cell only the first has it."""
+    frame = plan.maze_frame
+    if marks.arrows is None or frame is None:
+        return
+    xs, ys = sheet.centres()
+    cols = np.floor((xs - frame.x_min_m) / frame.resolution_m).astype(np.int64)
+    rows = np.floor((frame.y_max_m - ys) / frame.resolution_m).astype(np.int64)
+    in_frame = np.outer((rows >= 0) & (rows < frame.rows), (cols >= 0) & (cols < frame.cols))
+    first = np.outer(_changes(rows), _changes(cols))
+    cells = np.ix_(np.clip(rows, 0, frame.rows - 1), np.clip(cols, 0, frame.cols - 1))
+    action = marks.arrows[cells]
+    occupied, inside = shares(plan, sheet.rows, sheet.cols)
+    shown = first & in_frame & (action >= 0) & (occupied <= ARROW_SHARE) & (inside > 0.5)
+    picture.glyphs[shown] = glyphs[action[shown]]
+    if not picture.coloured:
+        return
+    values = marks.values[cells] if marks.values is not None else np.ones(action.shape)
+    picture.ink[shown] = palette.viridis(_ranked(values[shown]))
+    picture.paper[shown] = _floor_paper(plan, sheet)[shown]
+
+
+def _changes(indices: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Return which entries [N] differ from the one before; the first one does."""
+    return np.concatenate([[True], indices[1:] != indices[:-1]])
+
+
+@lru_cache(maxsize=16)
+def _floor_paper(plan: Plan, sheet: Sheet) -> NDArray[np.uint8]:
+    """Return the mean colour of both pixels of every character [rows, cols, 3]."""
+    pixels = _floor_pixels(plan, sheet).astype(np.uint16)
+    return ((pixels[::2] + pixels[1::2]) // 2).astype(np.uint8)
+
+
+def _ranked(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return values [N] as shares of their range, 1 for the largest."""
+    if not len(values) or np.isnan(values).all():
+        return np.ones(len(values))
+    low, high = np.nanmin(values), np.nanmax(values)
+    return np.nan_to_num((values - low) / (high - low) if high > low else np.ones(len(values)))
+
+
+def _put_goals(picture: Picture, plan: Plan, sheet: Sheet, marks: Marks) -> None:
+    """Write every goal's key where it is; the current one stands out and carries its name."""
+    order = sorted(plan.goals, key=lambda name: name == marks.goal)
+    for name in order:
+        place = sheet.place_at(*plan.goals[name])
+        if place is None:
+            continue
+        row, col = place
+        current = name == marks.goal
+        text = goal_key(list(plan.goals).index(name)) or "o"
+        if current or marks.names:
+            text = f"{text} {name}"
+        col = max(min(col, sheet.cols - len(text)), 0)
+        if current:
+            picture.put(row, col, text, palette.DARK, palette.CURRENT_GOAL, bold=True)
+        else:
+            picture.put(row, col, text, palette.GOAL, _floor_paper_of(picture), bold=True)
+
+
+def _floor_paper_of(picture: Picture) -> palette.Rgb | None:
+    return palette.FLOOR if picture.coloured else None
+
+
+def _put_robot(picture: Picture, sheet: Sheet, marks: Marks) -> None:
+    """Write the estimate and over it the true pose; in one place the true one's paper carries the other's ink."""
+    true = sheet.place_at(*marks.pose_true[:2]) if marks.pose_true else None
+    estimate = sheet.place_at(*marks.pose_estimate[:2]) if marks.pose_estimate else None
+    if estimate is not None and marks.pose_estimate is not None:
+        glyph = heading_glyph(marks.pose_estimate.theta_rad) if picture.coloured else "?"
+        picture.put(*estimate, glyph, palette.DARK, palette.ESTIMATE, bold=True)
+    if true is not None and marks.pose_true is not None:
+        glyph = heading_glyph(marks.pose_true.theta_rad) if picture.coloured else "@"
+        ink = palette.TOGETHER if true == estimate else palette.DARK
+        picture.put(*true, glyph, ink, palette.TRUE, bold=True)
+
+
+def heading_glyph(theta_rad: float) -> str:
+    """Return the arrow of the nearest eighth of a turn."""
+    return HEADINGS[round(theta_rad / (math.pi / 4)) % 8]
+
+
+def _put_at(picture: Picture, sheet: Sheet, x_m: float, y_m: float, glyph: str) -> None:
+    place = sheet.place_at(x_m, y_m)
+    if place is not None:
+        picture.put(*place, glyph)
+
+
+def _put_centred(picture: Picture, sheet: Sheet, x_m: float, y_m: float, text: str) -> None:
+    """Write a room's name about a point."""
+    place = sheet.place_at(x_m, y_m)
+    if place is not None:
+        col = max(min(place[1] - len(text) // 2, sheet.cols - len(text)), 0)
+        picture.put(place[0], col, text, palette.ROOM, _floor_paper_of(picture))

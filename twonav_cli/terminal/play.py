@@ -1,0 +1,166 @@
+"""`twonav play`: puts scene, stage, agent, recorder and screen together."""
+
+from __future__ import annotations
+
+import importlib
+import queue
+import sys
+import threading
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from twonav_cli.errors import TwonavError, unknown_name
+from twonav_cli.events import Clock, RunEnded, RunStarted, Sink, to_all
+from twonav_cli.terminal.commands import Command
+
+if TYPE_CHECKING:
+    from twonav_cli.experiments.journey import Wishes
+    from twonav_cli.grid import Cell
+    from twonav_cli.mapping.floor import Floor
+    from twonav_cli.stages.sim3d_stage import Sim3dOptions
+
+STAGES = ("maze", "2d", "3d")
+LOCALIZERS = ("raw", "truth")
+BASES = ("omni", "differential")
+
+
+@dataclass(frozen=True)
+class PlayRequest:
+    """Everything the command line says about a play run."""
+
+    scene: str = "apartment"
+    stage: str = "3d"
+    goals: tuple[str, ...] = ()
+    start: str | None = None
+    seed: int = 0
+    record: Path | None = None
+    recording: bool = True
+    plain: bool = False
+    localizer: str = "raw"
+    base: str = "omni"
+    speed: float = 4.0
+    checkpoints: Path | None = None
+    keys: str | None = None
+    quiet: bool = False
+
+
+def run_play(request: PlayRequest) -> int:
+    """Play; returns 0 when every goal was reached, else 1."""
+    check_names(request.stage, request.localizer, request.base)
+    path = _recording_path(request) if request.recording else None
+    on_screen = not request.plain and sys.stdout.isatty() and sys.stdin.isatty()
+    if on_screen:
+        from twonav_cli.terminal.screen import run_screen
+
+        def start(sink: Sink, commands: queue.Queue[Command], stop: threading.Event) -> int:
+            from twonav_cli.terminal.wishes import QueuedWishes
+
+            return _drive(request, sink, QueuedWishes(commands, stop, request.speed), path, stay=True)
+
+        code = run_screen(start, title=f"twonav: {request.scene}, {request.stage}", keys=request.keys)
+    else:
+        code = _play_plainly(request, path)
+    if path is not None and path.exists():
+        print(path, file=sys.stderr if request.quiet else sys.stdout)
+    return code
+
+
+def check_names(stage: str, localizer: str, base: str) -> None:
+    """Refuse a stage, localizer or base that there is not.
+
+    Raises:
+        TwonavError: Names the right ones.
+    """
+    for kind, name, known in (
+        ("stage", stage, STAGES),
+        ("localizer", localizer, LOCALIZERS),
+        ("base", base, BASES),
+    ):
+        if name not in known:
+            raise unknown_name(kind, name, known)
+    if stage == "2d":
+        raise TwonavError("the 2D simulator is not there yet: play --stage maze or --stage 3d")
+
+
+def _play_plainly(request: PlayRequest, path: Path | None) -> int:
+    from twonav_cli.events import to_nobody
+    from twonav_cli.experiments.journey import NoWishes
+    from twonav_cli.terminal.plain import PlainPrinter
+
+    if not request.goals:
+        raise TwonavError("without a terminal, name at least one goal: --goal NAME")
+    stop = threading.Event()
+    printer = to_nobody if request.quiet else PlainPrinter(sys.stdout)
+    return _drive(request, printer, NoWishes(stop), path, stay=False)
+
+
+def _drive(request: PlayRequest, sink: Sink, wishes: Wishes, path: Path | None, stay: bool) -> int:
+    """Build everything and run the journey; the floor plan leaves before anything slow is loaded."""
+    from twonav_cli.mapping.floor import read_floor
+
+    if request.stage == "3d" and request.localizer == "raw":
+        threading.Thread(target=importlib.import_module, args=("torch",), daemon=True).start()
+    floor = read_floor(request.scene)
+    start = _start_cell(floor, request)
+    begun = RunStarted(
+        Clock(), "play", request.stage, floor.scene.name, request.seed, _settings(request),
+        floor.maze, floor.maze_frame, floor.map.occupied, floor.map.frame,
+    )  # fmt: skip
+    sink(begun)
+    from twonav_cli.experiments.journey import Journey
+    from twonav_cli.experiments.predecessors import load_agent, load_localize, make_stage
+    from twonav_cli.rng import stream
+    from twonav_cli.terminal.recordings import recording
+
+    agent = load_agent(floor, request.stage, request.checkpoints)
+    camera_only = request.stage == "3d" and request.localizer == "raw"
+    localize = load_localize(floor, request.checkpoints) if camera_only else None
+    stage = make_stage(floor, request.stage, localize, request.seed, _options(request))
+    with recording(path, request.stage, begun, every_trial=True) as recorder:
+        journey = Journey(
+            stage, floor.maze_frame, agent, stream(request.seed, "explore"), to_all(recorder, sink), wishes
+        )
+        visits = journey.run(request.goals, start, stay)
+        reached = {visit.goal for visit in visits if visit.outcome == "reached"}
+        ended = RunEnded(
+            Clock(len(visits), 0, stage.time_s), f"{len(reached)} of {len(visits)} goals reached"
+        )
+        to_all(recorder, sink)(ended)
+    return 0 if all(goal in reached for goal in request.goals) else 1
+
+
+def _options(request: PlayRequest) -> Sim3dOptions | None:
+    if request.stage != "3d":
+        return None
+    from twonav_cli.stages.sim3d_stage import Sim3dOptions
+
+    return Sim3dOptions(base=request.base, image_every_tick=not request.quiet, trace=request.recording)
+
+
+def _settings(request: PlayRequest) -> dict[str, str]:
+    return {"localizer": request.localizer, "base": request.base} if request.stage == "3d" else {}
+
+
+def _start_cell(floor: Floor, request: PlayRequest) -> Cell:
+    """Return the named start's cell, or one drawn from the seed; check the goals' names before anything is loaded."""
+    from twonav_cli.rng import stream
+
+    for goal in request.goals:
+        if goal not in floor.maze.goals:
+            raise unknown_name("goal", goal, floor.maze.goals)
+    starts = floor.maze.starts
+    if request.start is None:
+        names = list(starts)
+        return starts[names[int(stream(request.seed, "start").integers(len(names)))]]
+    if request.start not in starts:
+        raise unknown_name("start", request.start, starts)
+    return starts[request.start]
+
+
+def _recording_path(request: PlayRequest) -> Path:
+    if request.record is not None:
+        return request.record
+    from twonav_cli.terminal.recordings import default_recording
+
+    return default_recording("play", request.scene, request.stage)

@@ -1,0 +1,130 @@
+"""Training the agent, in the maze or in 3D, from the command line."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from twonav_cli.config import learning_preset
+from twonav_cli.events import Clock, Event, GoalLearned, RunEnded, RunStarted, TrialBatch, TrialEnded, to_all
+from twonav_cli.experiments.predecessors import checkpoint_folder, load_localize, make_stage
+from twonav_cli.experiments.trials import LearningOutcome, learn_in_stage, learn_maze
+from twonav_cli.learner.agent import Agent
+from twonav_cli.mapping.floor import Floor
+from twonav_cli.terminal.console import TrainingProgress
+from twonav_cli.terminal.recordings import default_recording, recording
+from twonav_cli.terminal.train import TrainRequest, card_of
+
+if TYPE_CHECKING:
+    from twonav_cli.stages.sim3d_stage import Sim3dStage
+
+SAVE_EVERY_S = 30.0
+TRIALS_IN_3D = 1500
+QUICK_TRIALS_IN_3D = 6
+
+
+def train_agent(
+    request: TrainRequest, floor: Floor, folder: Path, should_stop: Callable[[], bool]
+) -> tuple[str, dict[str, Any]]:
+    """Learn every goal in a stage and save the agent.
+
+    Returns:
+        The outcome ("learned", "stopped" or "gave-up") and the metrics of the card.
+
+    Raises:
+        TwonavError: The stage before is missing, or a checkpoint does not belong here.
+    """
+    agent = _agent(request, floor, folder)
+    path = (request.record or default_recording("train", floor.scene.name, request.stage)) if request.recording else None
+    begun = RunStarted(
+        Clock(agent.progress.trial, agent.progress.step), "train", request.stage, floor.scene.name, request.seed, {},
+        floor.maze, floor.maze_frame, floor.map.occupied, floor.map.frame,
+    )  # fmt: skip
+    saver = _Saver(request, floor, folder, agent)
+    with TrainingProgress(request.stage) as bar, recording(path, request.stage, begun) as recorder:
+        sink = to_all(recorder, _ProgressSink(bar, agent), saver)
+        result = _learn(request, floor, agent, sink, should_stop)
+        recorder(RunEnded(Clock(agent.progress.trial, agent.progress.step), result.outcome))
+    metrics = _metrics(result)
+    saver.save(metrics)
+    return ("learned" if request.quick and result.outcome == "gave-up" else result.outcome), metrics
+
+
+def _agent(request: TrainRequest, floor: Floor, folder: Path) -> Agent:
+    """Return the agent to train: resumed, or new (maze), or that of the stage before (3D)."""
+    scene, digest = floor.scene, floor.map.digest
+    if request.resume:
+        return Agent.load(folder, scene.digest, digest)
+    config = learning_preset(request.stage)
+    if request.stage == "maze":
+        return Agent.for_maze(floor.maze, config, request.seed)
+    before = checkpoint_folder(scene.name, "maze", own_first=True)
+    return Agent.load(before, scene.digest, digest, config)
+
+
+def _learn(
+    request: TrainRequest, floor: Floor, agent: Agent, sink: Callable[[Event], None], should_stop: Callable[[], bool]
+) -> LearningOutcome:
+    if request.stage == "maze":
+        return learn_maze(agent, floor.maze, request.seed, sink, should_stop)
+    from twonav_cli.stages.sim3d_stage import Sim3dOptions
+
+    localize = load_localize(floor, own_first=True)
+    options = Sim3dOptions(base=request.base, trace=request.recording)
+    stage: Sim3dStage = make_stage(floor, "3d", localize, request.seed, options)  # type: ignore[assignment]  # by name
+    try:
+        trials = QUICK_TRIALS_IN_3D if request.quick else TRIALS_IN_3D
+        return learn_in_stage(stage, agent, request.seed, sink, should_stop, trials)
+    finally:
+        stage.close()
+
+
+def _metrics(result: LearningOutcome) -> dict[str, Any]:
+    return {
+        "trials": result.trials,
+        "steps": result.steps,
+        "goals_learned": len(result.learned),
+        "goals": len(result.trials_of_goal),
+    }
+
+
+class _Saver:
+    """Writes the agent every half minute and at the end, so that a kill loses little."""
+
+    def __init__(self, request: TrainRequest, floor: Floor, folder: Path, agent: Agent) -> None:
+        self._request, self._floor, self._folder, self._agent = request, floor, folder, agent
+        self._saved_at = time.monotonic()
+
+    def __call__(self, event: Event) -> None:
+        if isinstance(event, TrialEnded | TrialBatch) and time.monotonic() - self._saved_at > SAVE_EVERY_S:
+            self.save({"unfinished": True})
+
+    def save(self, metrics: dict[str, Any]) -> None:
+        """Write the agent with its card."""
+        self._agent.save(self._folder, card_of(self._request, self._floor, metrics))
+        self._saved_at = time.monotonic()
+
+
+class _ProgressSink:
+    """Shows trials, actions, success and goals learned as they come."""
+
+    def __init__(self, bar: TrainingProgress, agent: Agent) -> None:
+        self._bar, self._agent = bar, agent
+        self._recent: list[bool] = []
+
+    def __call__(self, event: Event) -> None:
+        if isinstance(event, TrialEnded):
+            self._recent = [*self._recent[-99:], event.outcome == "reached"]
+        elif isinstance(event, TrialBatch):
+            self._recent = [bool(reached) for reached in event.reached[-100:]]
+        elif not isinstance(event, GoalLearned):
+            return
+        learned = int(self._agent.progress.learned.sum())
+        share = sum(self._recent) / max(len(self._recent), 1)
+        self._bar.update(
+            learned,
+            len(self._agent.goal_names),
+            f"trial {event.clock.trial}, action {event.clock.step}, success of the last {len(self._recent)}: {share:.0%}",
+        )
