@@ -42,7 +42,9 @@ DOORWAYS = {
 def ground(scene: Scene, width: float, depth: float) -> None:
     """The hard floor, a plane of the scene's outer size."""
     size = f"{width / 2:g} {depth / 2:g} 0.1"
-    scene.lines.append(f'    <geom name="floor" type="plane" size="{size}" pos="{width / 2:g} {depth / 2:g} 0" group="3"/>\n')
+    scene.lines.append(
+        f'    <geom name="floor" type="plane" size="{size}" pos="{width / 2:g} {depth / 2:g} 0" group="3"/>\n'
+    )
 
 
 def living_room(scene: Scene) -> None:
@@ -166,7 +168,7 @@ def bathroom(scene: Scene) -> None:
     scene.wall(room, "S", "wall_navy_tiles", thickness=0.1)
     scene.wall(room, "E", "wall_aqua_tiles")
     bathtub(scene, "bathtub", room.block(22, 23, 1, 4), "#e8eef0")
-    scene.box("shower_curtain", Rect(8.98, 9.72, 1.68, 1.73), 0.605, 2.1, "curtain", "N")
+    scene.box("shower_curtain", Rect(8.98, 9.72, 1.68, 1.73), 0.605, 2.1, "curtain")
     toilet(scene, "toilet", room.block(18, 19, 1, 2), "N")
     scene.box("washing_machine", room.block(15, 16, 1, 1), 0.0, 0.88, "washer@#f0f0f4", "N")
     scene.box("basin_cabinet", room.block(16, 17, 7, 7), 0.0, 0.8, "doors_blue@#3c5aaa", "S")
@@ -194,8 +196,8 @@ def study(scene: Scene) -> None:
     scene.box("desk_monitor", Rect(13.45, 13.52, 1.9, 2.7), 0.84, 1.34, "screen_code@#101012", "W")
     scene.cylinder("desk_monitor_foot", 13.5, 2.3, 0.74, 0.84, 0.08, "#101012")
     chair_at = room.block(31, 31, 5, 6)
-    scene.box("office_chair_seat", chair_at._replace(x0=12.52, x1=12.95), 0.0, 0.5, "#d03030")
-    scene.box("office_chair_back", chair_at._replace(x0=12.52, x1=12.6), 0.5, 1.0, "#d03030")
+    scene.box("office_chair_seat", chair_at._replace(x0=12.55, x1=12.95), 0.0, 0.5, "#d03030")
+    scene.box("office_chair_back", chair_at._replace(x0=12.55, x1=12.63), 0.5, 1.0, "#d03030")
     scene.box("binder_shelf", room.block(25, 25, 2, 6), 0.0, 1.6, "books_office@#3c424c", "E")
     globe_x, globe_y = room.at(28.5, 7.5)
     scene.cylinder("globe_stand", globe_x, globe_y, 0.0, 0.5, 0.25, "#c87828")
@@ -289,7 +291,7 @@ def draw_atlas(atlas: Atlas) -> NDArray[np.uint8]:
         image[row : row + COLOUR_PX, col : col + COLOUR_PX] = [int(colour[i : i + 2], 16) for i in (5, 3, 1)]
     for number, name in enumerate(atlas.pictures, 1):
         row, col = (PICTURE_PX * part for part in divmod(number, ATLAS_CELLS))
-        picture = cv2.imread(str(FOLDER / "textures" / f"{name}.png"))
+        picture = np.asarray(cv2.imread(str(FOLDER / "textures" / f"{name}.png")), dtype=np.uint8)
         image[row : row + PICTURE_PX, col : col + PICTURE_PX] = cv2.resize(
             picture, (PICTURE_PX, PICTURE_PX), interpolation=cv2.INTER_AREA
         )

@@ -27,7 +27,7 @@ HEADER = """<!-- Written by scenes/build_scenes.py: change that file, then run i
   <compiler angle="radian" texturedir="../textures"/>
   <option timestep="0.002" integrator="implicitfast" gravity="0 0 -9.81"/>
   <visual>
-    <quality shadowsize="0" offsamples="0" numquads="1" numslices="12" numstacks="8"/>
+    <quality shadowsize="0" offsamples="0" numquads="1" numslices="8" numstacks="4"/>
     <headlight ambient="0.58 0.58 0.58" diffuse="0.1 0.1 0.1" specular="0 0 0"/>
     <global offwidth="640" offheight="480"/>
     <map znear="0.005"/>
@@ -36,8 +36,10 @@ HEADER = """<!-- Written by scenes/build_scenes.py: change that file, then run i
     <numeric name="twonav.map" data="{area}"/>
   </custom>
 """
-LIGHTS = """    <light name="sun" directional="true" castshadow="false" dir="0.5 0.25 -0.8" diffuse="0.42 0.42 0.40" specular="0 0 0"/>
-    <light name="sky" directional="true" castshadow="false" dir="-0.2 -0.6 -0.4" diffuse="0.24 0.24 0.28" specular="0 0 0"/>
+LIGHTS = """    <light name="sun" directional="true" castshadow="false" specular="0 0 0"
+      dir="0.5 0.25 -0.8" diffuse="0.42 0.42 0.40"/>
+    <light name="sky" directional="true" castshadow="false" specular="0 0 0"
+      dir="-0.2 -0.6 -0.4" diffuse="0.24 0.24 0.28"/>
 """
 
 
@@ -123,7 +125,10 @@ class Scene:
         if solid:
             middle = numbers((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2)
             self.geom(name, "box", numbers((x1 - x0) / 2, (y1 - y0) / 2, (z1 - z0) / 2), middle)
+        flat_on_wall = facing and "@" not in look and not look.startswith("#")
         for side, corners in box_faces((x0, y0, z0), (x1, y1, z1)).items():
+            if flat_on_wall and side == OPPOSITE[facing] and thin(rect):
+                continue  # nobody looks at the back of a picture or of a wall's half
             self.surface(look).quad(corners, [normal_of(side)] * 4, self.uvs(look, facing, side, corners))
 
     def uvs(self, look: str, facing: str, side: str, corners: list[Point]) -> list[Uv]:
@@ -200,7 +205,9 @@ class Scene:
         self.box(f"{name}_jamb_2", across(half - 0.06, half, 0.065), 0.0, 2.1, colour)
         self.box(f"{name}_lintel", across(-half, half, 0.06), 2.1, WALL_HEIGHT_M, colour)
 
-    def hang(self, name: str, room: Room, side: str, along: float, z: float, size: tuple[float, float], look: str) -> None:
+    def hang(
+        self, name: str, room: Room, side: str, along: float, z: float, size: tuple[float, float], look: str
+    ) -> None:
         """Hangs a thin picture, window or mirror of (width, height) on a wall, its middle at height z."""
         wide = size[0] / 2
         rect, deep = room.floor, 0.03
@@ -249,6 +256,11 @@ SIDES = {"N": "north", "E": "east", "S": "south", "W": "west"}
 def rgb(colour: str) -> str:
     """ "#rrggbb" as three numbers from 0 to 1."""
     return " ".join(f"{int(colour[i : i + 2], 16) / 255:.3g}" for i in (1, 3, 5))
+
+
+def thin(rect: Rect) -> bool:
+    """Whether a rectangle is at most 5 cm wide, as a picture and half of an inner wall are."""
+    return min(rect.x1 - rect.x0, rect.y1 - rect.y0) < 0.051
 
 
 def numbers(*values: float) -> str:

@@ -1,4 +1,5 @@
 """Draws every texture of the two scenes: `python scenes/make_textures.py` rewrites the identical PNG files.
+Run scenes/build_scenes.py afterwards: it gathers the pictures of a scene into its atlas.
 
 Pictures are (H, W, 3) uint8 in RGB, drawn with OpenCV. Noise comes from a generator seeded by the texture's name.
 """
@@ -15,6 +16,7 @@ from paintings import PAINTINGS, Picture, blank
 FOLDER = Path(__file__).parent / "textures"
 Rgb = tuple[int, int, int]
 
+LINEN: Rgb = (240, 240, 230)
 WALL_HEIGHT_PX = 256  # one wall, floor to top, 2.5 m
 WALL_WIDTH_PX = 128  # repeats about every 1.25 m
 
@@ -150,7 +152,9 @@ def rug(name: str, colour: Rgb, border: Rgb, accent: Rgb, rings: bool) -> Pictur
         if rings:
             cv2.circle(image, (64, 64), size, ink, -1)
         else:
-            cv2.fillConvexPoly(image, np.array([[64 - size, 64], [64, 64 - size], [64 + size, 64], [64, 64 + size]]), ink)
+            cv2.fillConvexPoly(
+                image, np.array([[64 - size, 64], [64, 64 - size], [64 + size, 64], [64, 64 + size]]), ink
+            )
     return noise(image, name, 6.0)
 
 
@@ -173,7 +177,8 @@ def books(name: str, wood: Rgb, shelves: int) -> Picture:
         image[shelf * height + 4 : bottom, 6:250] = np.array(wood) // 3
         while x < 238:
             width, tall = int(rng.integers(6, 13)), int(height * rng.uniform(0.6, 0.85))
-            colour = cv2.cvtColor(np.uint8([[[rng.integers(180), rng.integers(120, 255), rng.integers(120, 255)]]]), cv2.COLOR_HSV2RGB)
+            hsv = np.array([[[rng.integers(180), rng.integers(120, 255), rng.integers(120, 255)]]], dtype=np.uint8)
+            colour = cv2.cvtColor(hsv, cv2.COLOR_HSV2RGB)
             if rng.random() < 0.9:
                 image[bottom - tall : bottom, x : x + width - 1] = colour[0, 0]
             x += width
@@ -220,7 +225,12 @@ def fridge(colour: Rgb) -> Picture:
     image = blank(colour, 128, 256)
     image[88:92] = (60, 60, 66)
     image[30:80, 10:15] = image[100:170, 10:15] = (70, 74, 80)
-    for x, y, ink in ((60, 30, (250, 220, 60)), (86, 50, (240, 90, 110)), (56, 120, (90, 200, 110)), (84, 140, (80, 140, 240))):
+    for x, y, ink in (
+        (60, 30, (250, 220, 60)),
+        (86, 50, (240, 90, 110)),
+        (56, 120, (90, 200, 110)),
+        (84, 140, (80, 140, 240)),
+    ):
         cv2.rectangle(image, (x, y), (x + 20, y + 22), ink, -1)
     return image
 
@@ -257,7 +267,11 @@ def screen(kind: str) -> Picture:
         cv2.circle(image, (90, 26), 10, (250, 200, 160), -1)
     else:
         for row, length in enumerate((50, 80, 64, 30, 90, 72, 44, 60)):
-            image[14 + row * 13 : 20 + row * 13, 14 + 8 * (row % 3) :][:, :length] = ((90, 230, 120), (240, 190, 70), (110, 180, 250))[row % 3]
+            image[14 + row * 13 : 20 + row * 13, 14 + 8 * (row % 3) :][:, :length] = (
+                (90, 230, 120),
+                (240, 190, 70),
+                (110, 180, 250),
+            )[row % 3]
     cv2.rectangle(image, (0, 0), (127, 127), (10, 10, 12), 12)
     return image
 
@@ -353,7 +367,7 @@ FURNISHINGS: dict[str, Callable[[], Picture]] = {
     "washer": washer,
     "mirror": mirror,
     "curtain": lambda: bands(((240, 90, 110), (250, 240, 230), (250, 180, 60), (250, 240, 230)), 12, True),
-    "towels": lambda: bands(((240, 240, 230), (40, 110, 170), (240, 240, 230), (230, 120, 50), (240, 240, 230), (60, 150, 90)), 6, False),
+    "towels": lambda: bands((LINEN, (40, 110, 170), LINEN, (230, 120, 50), LINEN, (60, 150, 90)), 6, False),
     "piano": lambda: bands(((250, 250, 245), (20, 20, 20), (250, 250, 245)), 21, True),
     "leaves": lambda: foliage("leaves", (70, 170, 60)),
     "leaves_blue": lambda: foliage("leaves_blue", (60, 150, 130)),
@@ -363,7 +377,7 @@ FURNISHINGS: dict[str, Callable[[], Picture]] = {
 def squared(image: Picture) -> Picture:
     """Stretches a picture to a square, as the faces of a cube texture must be."""
     side = max(image.shape[:2])
-    return cv2.resize(image, (side, side), interpolation=cv2.INTER_NEAREST)
+    return np.asarray(cv2.resize(image, (side, side), interpolation=cv2.INTER_NEAREST), dtype=np.uint8)
 
 
 def main() -> None:

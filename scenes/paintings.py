@@ -29,6 +29,7 @@ def polygon(image: Picture, points: list[tuple[int, int]], colour: Rgb) -> None:
 
 
 def sunset() -> Picture:
+    """The sun over a violet sea."""
     image = blank((250, 140, 40))
     image[:40] = (200, 50, 60)
     cv2.circle(image, (64, 76), 26, (255, 230, 90), -1)
@@ -37,6 +38,7 @@ def sunset() -> Picture:
 
 
 def mountains() -> Picture:
+    """Two grey peaks."""
     image = blank((160, 210, 250))
     polygon(image, [(0, 128), (44, 30), (90, 128)], (80, 90, 120))
     polygon(image, [(50, 128), (96, 50), (128, 128)], (50, 60, 90))
@@ -45,6 +47,7 @@ def mountains() -> Picture:
 
 
 def moon() -> Picture:
+    """A crescent and stars."""
     image = blank((16, 20, 70))
     cv2.circle(image, (80, 46), 24, (250, 250, 200), -1)
     cv2.circle(image, (92, 40), 20, (16, 20, 70), -1)
@@ -54,6 +57,7 @@ def moon() -> Picture:
 
 
 def blocks() -> Picture:
+    """Red, blue and yellow fields."""
     image = blank((245, 245, 240))
     image[8:60, 8:50] = (220, 20, 30)
     image[70:120, 60:120] = (20, 60, 180)
@@ -63,6 +67,7 @@ def blocks() -> Picture:
 
 
 def rings() -> Picture:
+    """Red rings."""
     image = blank((250, 250, 250))
     for i, radius in enumerate(range(54, 5, -10)):
         cv2.circle(image, (64, 64), radius, ((230, 30, 40), (255, 255, 255))[i % 2], -1)
@@ -70,12 +75,14 @@ def rings() -> Picture:
 
 
 def waves() -> Picture:
+    """Blue waves."""
     y, x = np.mgrid[0:128, 0:128]
     crest = np.sin((y + 9 * np.sin(x / 11.0)) / 6.0) > 0
     return framed(np.where(crest[..., None], (20, 110, 200), (190, 240, 250)).astype(np.uint8), (240, 240, 240))
 
 
 def tree() -> Picture:
+    """An apple tree."""
     image = blank((250, 230, 160))
     image[100:] = (120, 170, 60)
     cv2.rectangle(image, (58, 60), (70, 104), (90, 50, 20), -1)
@@ -86,6 +93,7 @@ def tree() -> Picture:
 
 
 def portrait() -> Picture:
+    """A head and shoulders."""
     image = blank((30, 70, 50))
     cv2.ellipse(image, (64, 120), (44, 34), 0, 0, 360, (130, 20, 40), -1)
     cv2.ellipse(image, (64, 60), (24, 30), 0, 0, 360, (240, 200, 160), -1)
@@ -96,6 +104,7 @@ def portrait() -> Picture:
 
 
 def flower() -> Picture:
+    """A magenta flower."""
     image = blank((250, 200, 220))
     cv2.line(image, (64, 64), (64, 122), (30, 120, 30), 6)
     for angle in np.arange(0, 360, 60):
@@ -106,6 +115,7 @@ def flower() -> Picture:
 
 
 def boat() -> Picture:
+    """A sailing boat."""
     image = blank((200, 230, 250))
     image[84:] = (20, 120, 130)
     polygon(image, [(28, 80), (100, 80), (86, 100), (42, 100)], (170, 70, 20))
@@ -115,6 +125,7 @@ def boat() -> Picture:
 
 
 def city() -> Picture:
+    """Towers at night."""
     image = blank((60, 20, 90))
     for x, top, ink in ((10, 60, (20, 20, 40)), (34, 34, (40, 30, 70)), (62, 70, (20, 20, 40)), (84, 46, (30, 20, 60))):
         cv2.rectangle(image, (x, top), (x + 24, 128), ink, -1)
@@ -124,6 +135,7 @@ def city() -> Picture:
 
 
 def fish() -> Picture:
+    """An orange fish."""
     image = blank((20, 160, 170))
     cv2.ellipse(image, (56, 64), (34, 20), 0, 0, 360, (255, 140, 20), -1)
     polygon(image, [(84, 64), (112, 42), (112, 86)], (255, 140, 20))
@@ -133,6 +145,7 @@ def fish() -> Picture:
 
 
 def heart() -> Picture:
+    """A red heart."""
     image = blank((255, 240, 200))
     for x in (47, 81):
         cv2.circle(image, (x, 50), 20, (220, 20, 50), -1)
@@ -141,6 +154,7 @@ def heart() -> Picture:
 
 
 def rainbow() -> Picture:
+    """A rainbow."""
     image = blank((220, 240, 255))
     inks = ((230, 30, 30), (250, 140, 20), (250, 230, 40), (40, 170, 60), (40, 80, 210), (130, 40, 160))
     for i, ink in enumerate(inks):
@@ -150,6 +164,7 @@ def rainbow() -> Picture:
 
 
 def chess() -> Picture:
+    """A chequered field."""
     image = blank((240, 220, 180))
     for row in range(6):
         for col in range(row % 2, 6, 2):
@@ -158,6 +173,7 @@ def chess() -> Picture:
 
 
 def triangles() -> Picture:
+    """Rows of triangles."""
     image = blank((250, 240, 220))
     inks = ((240, 80, 50), (40, 160, 160), (250, 190, 40), (90, 60, 150))
     for row in range(3):
@@ -168,12 +184,14 @@ def triangles() -> Picture:
 
 
 def spiral() -> Picture:
+    """A violet spiral."""
     y, x = np.mgrid[-64:64, -64:64]
     arm = np.sin(np.hypot(x, y) / 5.0 + 2.0 * np.arctan2(y, x)) > 0
     return framed(np.where(arm[..., None], (110, 30, 150), (240, 210, 60)).astype(np.uint8), (60, 10, 90))
 
 
 def desert() -> Picture:
+    """A cactus."""
     image = blank((250, 210, 150))
     image[84:] = (220, 150, 60)
     cv2.rectangle(image, (56, 34), (70, 100), (40, 130, 60), -1)
@@ -185,6 +203,7 @@ def desert() -> Picture:
 
 
 def strokes() -> Picture:
+    """Slanting strokes."""
     image = blank((250, 250, 250))
     for i, ink in enumerate(((230, 40, 40), (30, 30, 30), (30, 150, 90), (30, 90, 220), (240, 170, 20))):
         cv2.line(image, (-10 + 30 * i, 128), (40 + 30 * i, 0), ink, 13)
@@ -192,20 +211,35 @@ def strokes() -> Picture:
 
 
 def crosses() -> Picture:
+    """Four crosses."""
     image = blank((30, 60, 130))
-    for x, y, ink in ((36, 36, (250, 250, 250)), (92, 40, (250, 120, 160)), (40, 92, (120, 240, 180)), (90, 92, (250, 230, 60))):
+    for x, y, ink in (
+        (36, 36, (250, 250, 250)),
+        (92, 40, (250, 120, 160)),
+        (40, 92, (120, 240, 180)),
+        (90, 92, (250, 230, 60)),
+    ):
         image[y - 18 : y + 19, x - 6 : x + 7] = image[y - 6 : y + 7, x - 18 : x + 19] = ink
     return framed(image, (240, 240, 240))
 
 
 def world_map() -> Picture:
+    """Six continents."""
     image = blank((90, 170, 220))
-    for at, axes in (((34, 46), (18, 14)), ((44, 88), (9, 18)), ((72, 40), (14, 10)), ((74, 74), (13, 20)), ((98, 46), (20, 16)), ((104, 92), (10, 8))):
+    for at, axes in (
+        ((34, 46), (18, 14)),
+        ((44, 88), (9, 18)),
+        ((72, 40), (14, 10)),
+        ((74, 74), (13, 20)),
+        ((98, 46), (20, 16)),
+        ((104, 92), (10, 8)),
+    ):
         cv2.ellipse(image, at, axes, 0, 0, 360, (230, 200, 120), -1)
     return framed(image, (110, 60, 30))
 
 
 def pear() -> Picture:
+    """A green pear."""
     image = blank((120, 40, 60))
     cv2.circle(image, (64, 80), 28, (190, 220, 60), -1)
     cv2.ellipse(image, (64, 50), (15, 24), 0, 0, 360, (190, 220, 60), -1)

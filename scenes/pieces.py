@@ -6,7 +6,7 @@ from furniture import OPPOSITE, Rect, Scene
 def sofa(scene: Scene, name: str, rect: Rect, facing: str, colour: str, arms: str) -> None:
     """A seat, a back at the side away from `facing`, and two arm rests."""
     left, right = ("W", "E") if facing in "NS" else ("S", "N")
-    scene.box(f"{name}_seat", rect, 0.0, 0.42, colour)
+    scene.box(f"{name}_seat", rect.shrunk(0.01, 0.01), 0.0, 0.42, colour)
     scene.box(f"{name}_back", rect.edge(OPPOSITE[facing], 0.22), 0.42, 0.85, arms)
     scene.box(f"{name}_arm_1", rect.edge(left, 0.16), 0.0, 0.6, arms)
     scene.box(f"{name}_arm_2", rect.edge(right, 0.16), 0.0, 0.6, arms)

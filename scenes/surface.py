@@ -7,14 +7,15 @@ Corners are listed bottom left, bottom right, top right, top left, as seen from 
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 Point = tuple[float, float, float]
 Uv = tuple[float, float]
 
 # Direction of a side's outward normal, and of "right" for who looks at it.
 NORMALS: dict[str, Point] = {"N": (0, 1, 0), "S": (0, -1, 0), "E": (1, 0, 0), "W": (-1, 0, 0)}
-SLICES = 12  # corners of a cylinder or ball
-STACKS = 6  # rings of a ball
+SLICES = 10  # corners of a cylinder or ball
+STACKS = 5  # rings of a ball
 
 ATLAS_CELLS = 8  # pictures along a side of the atlas
 PICTURE_PX = 128
@@ -42,7 +43,7 @@ class Atlas:
         if picture not in self.pictures:
             self.pictures.append(picture)
         row, col = divmod(self.pictures.index(picture) + 1, ATLAS_CELLS)
-        u, v = (INSET + part * (1 - 2 * INSET) for part in (u, v))
+        u, v = INSET + u * (1 - 2 * INSET), INSET + v * (1 - 2 * INSET)
         return (col + u) / ATLAS_CELLS, (row + v) / ATLAS_CELLS
 
     def picture(self, picture: str) -> list[Uv]:
@@ -68,13 +69,22 @@ class Surface:
         self.normals += normals
         self.uvs += uvs
 
+    def area_m2(self, triangle: tuple[int, int, int]) -> float:
+        """The area of a triangle of corners; next to nothing where a ring shrinks to a tip."""
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (self.corners[i] for i in triangle)
+        ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
+        return math.hypot(uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx) / 2
+
     def mesh(self, name: str, texture: str) -> tuple[str, str]:
         """The MJCF of texture, material and mesh, and the geom that shows it."""
-        faces = " ".join(f"{i} {i + 1} {i + 2} {i} {i + 2} {i + 3}" for i in range(0, len(self.corners), 4))
+        quads = range(0, len(self.corners), 4)
+        triangles = [t for i in quads for t in ((i, i + 1, i + 2), (i, i + 2, i + 3)) if self.area_m2(t) > 1e-4]
+        faces = flat(triangles)
         asset = (
             f'    <texture name="{name}" type="2d" file="{texture}.png"/>\n'
             f'    <material name="{name}" texture="{name}" specular="0"/>\n'
-            f'    <mesh name="{name}" inertia="shell" vertex="{flat(self.corners)}"\n      normal="{flat(self.normals)}"\n'
+            f'    <mesh name="{name}" inertia="shell" vertex="{flat(self.corners)}"\n'
+            f'      normal="{flat(self.normals)}"\n'
             f'      texcoord="{flat(self.uvs)}"\n      face="{faces}"/>\n'
         )
         geom = (
@@ -119,8 +129,8 @@ def round_faces(
         rings: Radius, height over the middle and slope of the normal (its z before scaling) of each ring, from below.
     """
     turns = [2 * math.pi * i / SLICES for i in range(SLICES + 1)]
-    for k, (below, above) in enumerate(zip(rings, rings[1:], strict=False)):
-        for i, (first, last) in enumerate(zip(turns, turns[1:], strict=False)):
+    for k, (below, above) in enumerate(pairwise(rings)):
+        for i, (first, last) in enumerate(pairwise(turns)):
             corners, normals = [], []
             for turn, (radius, height, slope) in ((first, below), (last, below), (last, above), (first, above)):
                 c, s, length = math.cos(turn), math.sin(turn), math.hypot(1, slope)
@@ -134,7 +144,8 @@ def ball_rings(radius: float, height: float) -> list[tuple[float, float, float]]
     """Rings of an ellipsoid with half axes `radius` and `height`."""
     angles = [math.pi * (i / STACKS - 0.5) for i in range(STACKS + 1)]
     slope = radius / height
-    return [(max(1e-3, radius * math.cos(a)), height * math.sin(a), max(-50.0, min(50.0, slope * math.tan(a)))) for a in angles]
+    tilts = [max(-50.0, min(50.0, slope * math.tan(a))) for a in angles]
+    return [(max(1e-3, radius * math.cos(a)), height * math.sin(a), t) for a, t in zip(angles, tilts, strict=True)]
 
 
 def cylinder_rings(radius: float, height: float) -> list[tuple[float, float, float]]:

@@ -122,6 +122,6 @@ def test_a_scene_is_cheap_to_draw_and_every_geom_has_a_name(name: str) -> None:
 
 def test_the_scene_files_are_what_their_script_writes() -> None:
     code = "import build_scenes as b; print(b.apartment().text() + '|' + b.small_kitchen().text(), end='')"
-    written = subprocess.run([sys.executable, "-c", code], cwd=SCENES, capture_output=True, text=True, check=True).stdout
+    run = subprocess.run([sys.executable, "-c", code], cwd=SCENES, capture_output=True, text=True, check=True)
     committed = "|".join((SCENES / name / "scene.xml").read_text(encoding="utf-8") for name in NAMES)
-    assert written == committed
+    assert run.stdout == committed

@@ -29,6 +29,7 @@ IMAGE_SHAPE = (IMAGE_PX, IMAGE_PX, 3)
 
 Render = Callable[[Pose], NDArray[np.uint8]]
 Progress = Callable[[int, int], None]
+Frames = np.memmap[Any, np.dtype[np.uint8]]
 
 _CHUNK = 500
 """Frames between two marks of progress: about half a second of rendering is lost by a kill."""
@@ -97,7 +98,7 @@ def frames_done(folder: Path) -> int:
         return 0
 
 
-def _opened(plan: FramePlan, folder: Path, provenance: Provenance) -> tuple[NDArray[np.uint8], int]:
+def _opened(plan: FramePlan, folder: Path, provenance: Provenance) -> tuple[Frames, int]:
     """Return the writable frames [N, 84, 84, 3] of a new or continued data set, and how many are there."""
     meta = {"format": FORMAT, "frames": len(plan.poses), "plan": plan.digest, **asdict(provenance)}
     path = folder / META_FILE

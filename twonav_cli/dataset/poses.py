@@ -88,7 +88,7 @@ def grid_poses(centres: FloatArray, degree_step: int = 1) -> tuple[FloatArray, N
 
 
 def paper_split(cell_count: int, rng: np.random.Generator) -> NDArray[np.uint8]:
-    """Return the label [K, 360] of every image: of ten in a section of 10 degrees 5 train, 2 validate, 3 test (§4.1)."""
+    """Return the label [K, 360] of every image: of ten in 10 degrees 5 train, 2 validate, 3 test (§4.1)."""
     sections = np.broadcast_to(_SECTION, (cell_count, DEGREES // len(_SECTION), len(_SECTION)))
     return np.asarray(rng.permuted(sections, axis=2).reshape(cell_count, DEGREES))
 

@@ -33,6 +33,9 @@ from twonav_cli.stages.stage import REACHED, Observation, Stage
 SNAPSHOT_TRIALS = 5000
 """Trials between two snapshots of the table in the maze (ours); one more is taken when a goal is learned."""
 
+SNAPSHOT_ROUNDS = 5
+"""Rounds (a trial from each start) between two snapshots of the table in another stage (ours)."""
+
 MAZE_STEPS_AT_MOST = 20_000_000
 """Actions after which learning in the maze gives up (ours): about a hundred times what the apartment takes."""
 
@@ -213,28 +216,35 @@ def learn_in_stage(
         TwonavError: The agent does not fit the stage's maze, or a goal cannot be reached.
     """
     check_learnable(agent, stage.maze)
-    progress, starts = agent.progress, list(stage.maze.starts.values())
+    progress = agent.progress
     while not progress.learned.all():
         if should_stop():
             return _outcome_of("stopped", agent)
         if progress.trial >= trials_at_most:
             return _outcome_of("gave-up", agent)
         _choose_goal_if_none(agent, seed, sink, stage.time_s)
-        goal, start = progress.goal, progress.next_start
-        rng = stream(seed, "explore", progress.trial)
-        clock = _clock_of(agent, stage.time_s)
-        result = run_trial(stage, agent, goal, starts[start], rng, clock, sink, learn=True, explore=True)
-        agent.end_trial()
-        record_trial(progress.consecutive, progress.window, start, result.steps, result.outcome == "reached")
-        progress.trial, progress.step = progress.trial + 1, progress.step + result.steps
-        progress.trials_of_goal[goal] += 1
-        progress.steps_of_goal[goal] += result.steps
-        progress.next_start = (start + 1) % len(starts)
-        learned = start == len(starts) - 1 and bool(
-            is_learned(progress.consecutive, progress.window, agent.config.max_step_difference)
-        )
-        _after_trials(agent, learned, progress.trial - 1, len(starts) * 5, stage.time_s, sink)
+        trials_before = progress.trial
+        learned = _learn_from_trial(stage, agent, seed, sink)
+        _after_trials(agent, learned, trials_before, SNAPSHOT_ROUNDS * len(stage.maze.starts), stage.time_s, sink)
     return _outcome_of("learned", agent)
+
+
+def _learn_from_trial(stage: Stage, agent: Agent, seed: int, sink: Sink) -> bool:
+    """Run the next trial of a learning run and return whether its goal is learned now."""
+    progress, starts = agent.progress, list(stage.maze.starts.values())
+    goal, start = progress.goal, progress.next_start
+    rng = stream(seed, "explore", progress.trial)
+    clock = _clock_of(agent, stage.time_s)
+    result = run_trial(stage, agent, goal, starts[start], rng, clock, sink, learn=True, explore=True)
+    agent.end_trial()
+    record_trial(progress.consecutive, progress.window, start, result.steps, result.outcome == "reached")
+    progress.trial += 1
+    progress.step += result.steps
+    progress.trials_of_goal[goal] += 1
+    progress.steps_of_goal[goal] += result.steps
+    progress.next_start = (start + 1) % len(starts)
+    round_over = progress.next_start == 0
+    return round_over and is_learned(progress.consecutive, progress.window, agent.config.max_step_difference)
 
 
 @dataclass(frozen=True)
@@ -281,19 +291,28 @@ def run_trial(
         before = seen
         seen, blocked = _take_step(stage, agent, goal, before, rng, clock, sink, learn, explore)
         passed.append(_Passed(seen.cell, blocked))
-    clock = replace(clock, time_s=stage.time_s)
+    return _ended(stage, goal_cell, name, start, seen, passed, replace(clock, time_s=stage.time_s), sink)
+
+
+def _ended(
+    stage: Stage,
+    goal_cell: Cell,
+    name: str,
+    start: Cell,
+    seen: Observation,
+    passed: list[_Passed],
+    clock: Clock,
+    sink: Sink,
+) -> TrialResult:
+    """Judge a trial that is over, and send its end."""
     declared = start == goal_cell or seen.cell == goal_cell
     arrived = start == goal_cell or seen.true_cell == goal_cell
     outcome = ("reached" if arrived else "false-arrival") if declared else "time-out"
     cause, evidence = failure_of(outcome, seen, goal_cell, passed)
-    shortest = int(stage.maze.distances_to(goal_cell)[start])
-    result = TrialResult(outcome, len(passed), shortest, cause, evidence, clock)
-    sink(
-        TrialEnded(
-            clock, name, start, outcome, len(passed), shortest, cause, evidence, seen.pose_true, seen.pose_estimate
-        )
-    )
-    return result
+    steps, shortest = len(passed), int(stage.maze.distances_to(goal_cell)[start])
+    poses = (seen.pose_true, seen.pose_estimate)
+    sink(TrialEnded(clock, name, start, outcome, steps, shortest, cause, evidence, *poses))
+    return TrialResult(outcome, steps, shortest, cause, evidence, clock)
 
 
 def _take_step(

@@ -6,8 +6,6 @@ B batch, P position bins, H heading bins.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import cast
-
 import torch
 from torch import Tensor, nn
 from torch.nn.utils.fusion import fuse_conv_bn_eval
@@ -99,7 +97,7 @@ class Convolution(nn.Module):
     def fold(self) -> None:
         """Merge the normalisation into the convolution, for inference."""
         if isinstance(self.norm, nn.BatchNorm2d):
-            self.conv = cast(nn.Conv2d, fuse_conv_bn_eval(self.conv, self.norm))
+            self.conv = fuse_conv_bn_eval(self.conv, self.norm)
             self.norm = nn.Identity()
 
 
@@ -146,18 +144,25 @@ class PoseNetwork(nn.Module):
         self.out = nn.Linear(architecture.dense, position_bins + heading_bins)
         axis = torch.linspace(-1.0, 1.0, IMAGE_PX)
         rows, cols = torch.meshgrid(axis, axis, indexing="ij")
+        self.place_map: Tensor | None = None
         self.register_buffer("coordinates", torch.stack([cols, rows])[None], persistent=False)
 
     def forward(self, images: Tensor) -> tuple[Tensor, Tensor]:
         """Map images [B, 3, 84, 84], about -1 to 1, to logits [B, P] of position and [B, H] of heading."""
-        x = self.first.conv(images.contiguous(memory_format=torch.channels_last)) + self.place(self.coordinates)
+        place = self.place(self.coordinates) if self.place_map is None else self.place_map
+        x = self.first.conv(images.contiguous(memory_format=torch.channels_last)) + place
         x = self.layers(torch.relu_(self.first.norm(x)))
         x = torch.relu(self.dense(x.flatten(1)))
         logits = self.out(x)
         return logits[:, : -self.heading_bins], logits[:, -self.heading_bins :]
 
     def fold(self) -> None:
-        """Merge every normalisation into its convolution, for inference."""
+        """Merge every normalisation into its convolution, and what never changes into one map, for inference."""
+        norm = self.first.norm
+        if isinstance(norm, nn.BatchNorm2d) and norm.running_var is not None:
+            with torch.no_grad():
+                scale = norm.weight / torch.sqrt(norm.running_var + norm.eps)
+                self.place_map = self.place(self.coordinates) * scale[None, :, None, None]
         for module in self.modules():
             if isinstance(module, Convolution):
                 module.fold()

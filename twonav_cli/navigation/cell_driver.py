@@ -20,6 +20,7 @@ from twonav_cli.grid import GridFrame
 from twonav_cli.navigation.costmap import FROM_BEAM, CostMap
 from twonav_cli.navigation.distance import fill_distances
 from twonav_cli.navigation.dwa import DynamicWindow, Leg, Plan
+from twonav_cli.navigation.dwa_costs import DwaWeights
 from twonav_cli.navigation.footprint import touches
 
 REACHED = "reached"
@@ -41,6 +42,9 @@ TURN_FIRST_RAD = 0.35
 AIM_M = 0.12
 """Nearer than this to the target the direction to it says nothing any more (ours)."""
 
+NEAR_ENOUGH_M = 0.12
+"""A robot that stands this near and can get no nearer has reached the cell: its own cell ends at 0.2 m (ours)."""
+
 PROGRESS_M = 0.005
 PROGRESS_RAD = 0.05
 """What counts as getting on: nearer, or turned further towards the direction of travel (ours)."""
@@ -59,6 +63,12 @@ BRAKE_TICKS = 10
 
 TRACED_CANDIDATES = 60
 """Candidates of a period that are recorded, evenly taken (ours)."""
+
+UNPARKING = DwaWeights(target=0.2, heading=0.3, clearance=0.3, path=0.1)
+"""Weights of a differential base that has no room to turn on the spot: away from the wall, and round (ours)."""
+
+UNPARKING_M = 0.12
+"""How far from where it started the robot may look for room to turn: it must stay in its cell (ours)."""
 
 FloatArray = NDArray[np.float64]
 OnTick = Callable[[Pose, FloatArray, DriveTrace | None], None]
@@ -122,6 +132,7 @@ class CellDriver:
         self._config = config
         self._window = CostMap(occupied, map_frame)
         self._planner = DynamicWindow(config, base)
+        self._unparking = DynamicWindow(config, base, UNPARKING)
         self._omni = base == "omni"
         self._seen_m = np.zeros_like(self._window.distance_m)
 
@@ -184,7 +195,7 @@ class CellDriver:
                 return REACHED
             progress.idle_ticks = progress.idle_ticks + 1 if stays and _stands(twist) else 0
             if progress.idle_ticks >= IDLE_TICKS or time_s - progress.since_s >= config.blocked_after_s:
-                return BLOCKED
+                return REACHED if left_m <= NEAR_ENOUGH_M else BLOCKED
             if not going_back and error_rad < FACING_RAD and self._seen_at(leg):
                 return BLOCKED
             self._tick(drive, plan.twist, scan, plan)
@@ -218,8 +229,9 @@ class CellDriver:
         allowed = drive.allowed_overlap or 0
         spot = not self._omni and not going_back and error_rad > TURN_FIRST_RAD
         plan = self._planner.plan(self._window, drive.believed, twist, leg, allowed, spot, drive.trace)
-        if spot and _stands(plan.twist):
-            plan = self._planner.plan(self._window, drive.believed, twist, leg, allowed, False, drive.trace)
+        away_m = math.hypot(drive.believed.x_m - leg.start_x_m, drive.believed.y_m - leg.start_y_m)
+        if spot and _stands(plan.twist) and away_m < UNPARKING_M:
+            plan = self._unparking.plan(self._window, drive.believed, twist, leg, allowed, False, drive.trace)
         return plan
 
     def _seen_at(self, leg: Leg) -> bool:

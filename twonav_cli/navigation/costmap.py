@@ -34,6 +34,10 @@ BEAM_DEPTH_M = 0.01
 STANDING_INSET_M = 0.01
 """Marks this deep inside the robot's own outline cannot be true: it stands there (ours)."""
 
+SAME_THING_M = 0.2
+"""A map pixel that a beam passes is cleared only when something was hit this near: then it is that thing, believed to
+stand a little elsewhere. What no beam hits at all may be lower or higher than the laser's plane and stays (ours)."""
+
 FROM_MAP = 1
 FROM_BEAM = 2
 
@@ -72,35 +76,46 @@ def _clear_outline(marks: NDArray[np.uint8], grid: WindowGrid, outline: FloatArr
 
 
 @compiled
-def _add_scan(
+def _mark_ends(
+    marks: NDArray[np.uint8], grid: WindowGrid, laser: tuple[float, float, float], scan_m: FloatArray, cut_m: float
+) -> None:
+    """Mark the cells [h, w] that beams [180] end in, nearer than the cut; laser is (x_m, y_m, theta_rad)."""
+    rows, cols = marks.shape
+    for beam in range(scan_m.shape[0]):
+        if scan_m[beam] >= cut_m:
+            continue
+        angle = laser[2] - 0.5 * np.pi + np.pi * beam / (scan_m.shape[0] - 1)
+        range_m = scan_m[beam] + BEAM_DEPTH_M
+        u = (laser[0] + range_m * math.cos(angle) - grid.x_min_m) / grid.resolution_m
+        v = (laser[1] + range_m * math.sin(angle) - grid.y_min_m) / grid.resolution_m
+        if u >= 0.0 and v >= 0.0 and u < cols and v < rows:
+            marks[rows - 1 - int(v), int(u)] = FROM_BEAM
+
+
+@compiled
+def _clear_passed(
     marks: NDArray[np.uint8],
+    to_hit_m: FloatArray,
     grid: WindowGrid,
-    x_m: float,
-    y_m: float,
-    theta_rad: float,
+    laser: tuple[float, float, float],
     scan_m: FloatArray,
     cut_m: float,
 ) -> None:
-    """Clear the cells [h, w] that beams [180] pass and then mark those they end in, nearer than the cut."""
+    """Clear the cells [h, w] that beams [180] pass up to the cut; a map pixel only near something that was hit."""
     rows, cols = marks.shape
-    beams = scan_m.shape[0]
     step_m = 0.5 * grid.resolution_m
-    for marking in (False, True):
-        for beam in range(beams):
-            range_m = scan_m[beam]
-            if marking and range_m >= cut_m:
-                continue
-            angle = theta_rad - 0.5 * np.pi + np.pi * beam / (beams - 1)
-            du, dv = math.cos(angle) / grid.resolution_m, math.sin(angle) / grid.resolution_m
-            u = (x_m + LASER_X_M * math.cos(theta_rad) - grid.x_min_m) / grid.resolution_m
-            v = (y_m + LASER_X_M * math.sin(theta_rad) - grid.y_min_m) / grid.resolution_m
-            r = range_m + BEAM_DEPTH_M if marking else 0.0
-            end_m = r if marking else min(range_m - step_m, cut_m)
-            while r <= end_m:
-                cu, cv = u + r * du, v + r * dv
-                if cu >= 0.0 and cv >= 0.0 and cu < cols and cv < rows:
-                    marks[rows - 1 - int(cv), int(cu)] = FROM_BEAM if marking else 0
-                r += step_m
+    u = (laser[0] - grid.x_min_m) / grid.resolution_m
+    v = (laser[1] - grid.y_min_m) / grid.resolution_m
+    for beam in range(scan_m.shape[0]):
+        angle = laser[2] - 0.5 * np.pi + np.pi * beam / (scan_m.shape[0] - 1)
+        du, dv = 0.5 * math.cos(angle), 0.5 * math.sin(angle)
+        for k in range(int(min(scan_m[beam] - step_m, cut_m) / step_m) + 1):
+            cu, cv = u + k * du, v + k * dv
+            if cu < 0.0 or cv < 0.0 or cu >= cols or cv >= rows:
+                break
+            row, col = rows - 1 - int(cv), int(cu)
+            if marks[row, col] == FROM_BEAM or (marks[row, col] == FROM_MAP and to_hit_m[row, col] <= SAME_THING_M):
+                marks[row, col] = 0
 
 
 class CostMap:
@@ -119,6 +134,8 @@ class CostMap:
         side = self._pixels * SUBDIVISION
         self.marks = np.zeros((side, side), dtype=np.uint8)
         self.distance_m = np.zeros((side, side), dtype=np.float64)
+        self._hits = np.zeros((side, side), dtype=np.uint8)
+        self._to_hit_m = np.zeros((side, side), dtype=np.float64)
         self.grid = WindowGrid(map_frame.x_min_m, map_frame.y_min_m, map_frame.resolution_m / SUBDIVISION)
         self._body = grown_outline(np.array(ROBOT_FOOTPRINT_M), -STANDING_INSET_M)
 
@@ -145,7 +162,13 @@ class CostMap:
 
     def add_scan(self, pose: Pose, scan_m: FloatArray, cut_m: float) -> None:
         """Clear and mark by a scan [180] taken at the believed pose, cut at a range, and update the distances."""
-        _add_scan(self.marks, self.grid, pose.x_m, pose.y_m, pose.theta_rad, scan_m, cut_m)
+        cos, sin = math.cos(pose.theta_rad), math.sin(pose.theta_rad)
+        laser = (pose.x_m + LASER_X_M * cos, pose.y_m + LASER_X_M * sin, pose.theta_rad)
+        self._hits.fill(0)
+        _mark_ends(self._hits, self.grid, laser, scan_m, cut_m + SAME_THING_M)
+        fill_distances(self._hits, self.grid.resolution_m, self._to_hit_m)
+        _clear_passed(self.marks, self._to_hit_m, self.grid, laser, scan_m, cut_m)
+        _mark_ends(self.marks, self.grid, laser, scan_m, cut_m)
         fill_distances(self.marks, self.grid.resolution_m, self.distance_m)
 
     def inflated(self, inscribed_m: float, inflation_m: float) -> NDArray[np.float32]:

@@ -158,19 +158,16 @@ def candidate_columns(values: Sequence[Candidates]) -> Filled:
 
 def cost_columns(values: Sequence[CostPatch]) -> Filled:
     """Local cost map as an image, and where its top left corner lies."""
-    formats = [
-        rr.components.ImageFormat(width=v.levels.shape[1], height=v.levels.shape[0], channel_datatype="U8")
-        for v in values
-    ]
+    rows, cols = (max(v.levels.shape[axis] for v in values) for axis in (0, 1))
+    # Windows at the map's border may be smaller; they are filled up right and below, away from their corner.
+    pixels = np.zeros((len(values), rows, cols), dtype=np.uint8)
+    for row, value in enumerate(values):
+        pixels[row, : value.levels.shape[0], : value.levels.shape[1]] = value.levels
+    formats = [rr.components.ImageFormat(width=cols, height=rows, channel_datatype="U8")] * len(values)
     corner = np.array([(v.frame.x_min_m, v.frame.y_max_m, 0.0) for v in values])
     scale = np.array([(v.frame.resolution_m, -v.frame.resolution_m, 1.0) for v in values])
-    sizes = [v.levels.size for v in values]
-    if len(set(sizes)) == 1:
-        pixels: Any = np.stack([v.levels.ravel() for v in values])
-    else:
-        pixels = [v.levels.ravel() for v in values]
     return [
-        ("drive/map/dwa/cost", rr.SegmentationImage.columns(buffer=pixels, format=formats)),
+        ("drive/map/dwa/cost", rr.SegmentationImage.columns(buffer=pixels.reshape(len(values), -1), format=formats)),
         ("drive/map/dwa/cost", rr.Transform3D.columns(translation=corner, scale=scale)),
     ]
 

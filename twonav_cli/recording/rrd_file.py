@@ -110,6 +110,14 @@ class RrdFile:
         """Write ready columns at once."""
         self._stream.send_columns(entity, self.time_columns(clocks), columns)
 
+    def now(self, entity: str, what: Any, clock: Clock) -> None:
+        """Write one row at once; dear, so only for what comes once per trial."""
+        first, second, third = self._timelines
+        self._stream.set_time(first, sequence=clock.step)
+        self._stream.set_time(second, sequence=clock.trial)
+        self._stream.set_time(third, duration=clock.time_s)
+        self._stream.log(entity, what)
+
     def time_columns(self, clocks: list[Clock]) -> list[rr.TimeColumn]:
         """Return the three timelines [n] of some rows."""
         first, second, third = self._timelines

@@ -67,7 +67,7 @@ def _put_on_plane(spec: Any) -> None:
         spec.delete(actuator)
     for joint in list(spec.joints):
         spec.delete(joint)
-    for name in ("tyre_left", "tyre_right", "caster"):
+    for name in ("tread_left", "tread_right", "caster"):
         spec.geom(name).contype = 0
         spec.geom(name).conaffinity = 0
     chassis = spec.body("chassis")

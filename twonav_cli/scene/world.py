@@ -7,6 +7,7 @@ import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from twonav_cli.config import OBSTACLE_FLOOR_M
 from twonav_cli.errors import TwonavError
@@ -74,6 +75,9 @@ class World:
         base: "omni" or "differential".
         model: MuJoCo's model of scene and robot.
         data: MuJoCo's state.
+        chassis_id: The robot's body.
+        is_robot: [geoms] which geoms are the robot's.
+        is_plane: [geoms] which geoms are planes.
     """
 
     def __init__(self, scene: Scene, base: str = "omni") -> None:
@@ -87,13 +91,10 @@ class World:
         self._qvel = int(joint.dofadr[0])
         names = [name for name, _, _ in PLANE_AXES] if base == "omni" else ["wheel_left", "wheel_right"]
         self._motors = np.array([self.model.actuator(PREFIX + name).id for name in names])
-        self._is_robot = self._robot_geoms()
-        self.place(next(iter({**scene.starts, **scene.goals}.values())))
-
-    def _robot_geoms(self) -> np.ndarray[Any, np.dtype[np.bool_]]:
-        """Return which geoms [geoms + 1] belong to the robot; the last entry stands for "no geom" (a flex)."""
         root = np.asarray(self.model.body_rootid)[np.asarray(self.model.geom_bodyid)]
-        return np.append(root == self.chassis_id, False)
+        self.is_robot: NDArray[np.bool_] = np.asarray(root == self.chassis_id)
+        self.is_plane: NDArray[np.bool_] = np.asarray(self.model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE)
+        self.place(next(iter({**scene.starts, **scene.goals}.values())))
 
     @property
     def time_s(self) -> float:
@@ -187,7 +188,7 @@ class World:
             return []
         pairs = np.asarray(self.data.contact.geom)[:count]  # [contacts, 2]
         height_m = np.asarray(self.data.contact.pos)[:count, 2] - self.scene.floor_z_m
-        ours = self._is_robot[pairs]  # [contacts, 2]
+        ours = self.is_robot[pairs] & (pairs >= 0)  # [contacts, 2]; -1 stands for something soft
         counts = (ours.sum(axis=1) == 1) & (height_m > OBSTACLE_FLOOR_M)
         others = np.where(ours[:, 0], pairs[:, 1], pairs[:, 0])[counts]
         return sorted({self._name_of(int(geom)) for geom in others})
@@ -201,3 +202,11 @@ class World:
             return self.model.geom(geom).name or (self.model.body(body).name if body else "") or f"geom {geom}"
         except UnicodeDecodeError:
             return f"geom {geom}"
+
+    def geom_bottoms_m(self) -> NDArray[np.float64]:
+        """Return the height of every geom's lowest point [geoms] (of its bounding box); planes have none (-inf)."""
+        rotation = np.asarray(self.data.geom_xmat).reshape(-1, 3, 3)
+        box = np.asarray(self.model.geom_aabb)  # [geoms, 6] middle and half sizes
+        middle_m = self.data.geom_xpos[:, 2] + np.einsum("gj,gj->g", rotation[:, 2], box[:, :3])
+        bottom_m = middle_m - np.einsum("gj,gj->g", np.abs(rotation[:, 2]), box[:, 3:])
+        return np.where(self.is_plane, -np.inf, bottom_m)

@@ -86,8 +86,6 @@ def train(
     ] = None,
     record: RecordOption = None,
     no_record: NoRecordOption = False,
-    device: Annotated[str, typer.Option("--device", help="cpu or cuda (localizer only).")] = "cpu",
-    threads: Annotated[int, typer.Option("--threads", min=1, help="CPU threads (localizer only).")] = 2,
     quick: Annotated[
         bool, typer.Option("--quick", help="A small run that shows that everything works.")
     ] = False,
@@ -99,7 +97,7 @@ def train(
 
     request = TrainRequest(
         stage=stage, scene=scene, seed=seed, resume=resume, out=out, record=record, recording=not no_record,
-        device=device, threads=threads, quick=quick, base=base, as_json=json_,
+        quick=quick, base=base, as_json=json_,
     )  # fmt: skip
     raise typer.Exit(run_train(request))
 
@@ -140,11 +138,14 @@ def inspect(
 
 
 @app.command()
-def doctor(json_: JsonOption = False) -> None:
+def doctor(
+    json_: JsonOption = False,
+    warm_up: Annotated[bool, typer.Option("--warm-up", help="Also compile everything that play needs.")] = False,
+) -> None:
     """Report renderer, versions, device, scenes and checkpoints, and what to do about what is missing."""
     from twonav_cli.terminal.doctor import run_doctor
 
-    raise typer.Exit(run_doctor(json_))
+    raise typer.Exit(run_doctor(json_, warm_up))
 
 
 @scenes_app.callback()

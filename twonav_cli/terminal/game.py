@@ -124,6 +124,8 @@ def advance(state: GameState, event: Event) -> GameState:
 
 def faster(speed: float, steps: int) -> float:
     """Return the speed factor some places further in `SPEEDS`; it stops at both ends."""
+    if speed <= 0:  # no limit
+        return SPEEDS[-1]
     nearest = min(range(len(SPEEDS)), key=lambda place: abs(math.log(SPEEDS[place] / speed)))
     return SPEEDS[min(max(nearest + steps, 0), len(SPEEDS) - 1)]
 
@@ -294,7 +296,7 @@ RULES: dict[type[Event], Callable[[GameState, Any], GameState]] = {
 
 def greedy_actions(q: FloatArray) -> NDArray[np.int8]:
     """Return the best action [G, R, C] of a table [G, R, C, A], NO_ARROW where all four are equal."""
-    best = q.argmax(axis=-1).astype(np.int8)
+    best: NDArray[np.int8] = q.argmax(axis=-1).astype(np.int8)
     best[q.max(axis=-1) == q.min(axis=-1)] = NO_ARROW
     return best
 

@@ -6,22 +6,35 @@ G goals, R rows, C columns of the maze; a place is a character of the terminal.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twonav_cli.geometry import Pose, points_in_map
+from twonav_cli.grid import GridFrame
+from twonav_cli.maze import Maze
 from twonav_cli.terminal import palette
+from twonav_cli.terminal.console import in_colour
 from twonav_cli.terminal.picture import Picture, picture_of_glyphs, picture_of_pixels
-from twonav_cli.terminal.plan import Plan, Sheet, fitted, goal_key, shares
+from twonav_cli.terminal.plan import Plan, Sheet, fitted, goal_key, plan_of_map, shares
+
+if TYPE_CHECKING:
+    from rich.text import Text
+
+    from twonav_cli.scene.catalog import Room
 
 HEADINGS = "→↗↑↖←↙↓↘"
 """One glyph per eighth of a turn, from +x counter-clockwise."""
 
 ACTION_ARROWS = np.array(list("↑↓←→"))
 ACTION_ARROWS_ASCII = np.array(list("^v<>"))
+SCENE_ROWS = 30
+"""Height of a printed plan at most."""
+
 WALL_SHARE = 0.3
 """Share of a character that must be occupied before ASCII draws it as a wall."""
 
@@ -202,3 +215,49 @@ def _put_centred(picture: Picture, sheet: Sheet, x_m: float, y_m: float, text: s
     if place is not None:
         col = max(min(place[1] - len(text) // 2, sheet.cols - len(text)), 0)
         picture.put(place[0], col, text, palette.ROOM, _floor_paper_of(picture))
+
+
+def draw_scene(
+    maze: Maze,
+    maze_frame: GridFrame,
+    occupied: NDArray[np.bool_],
+    map_frame: GridFrame,
+    cols: int,
+    rooms: Mapping[str, Room] | None = None,
+    coloured: bool | None = None,
+) -> Text:
+    """Return the plan of a scene as it is printed: the drawing, and below it the goals with their coordinates.
+
+    Args:
+        maze: Its goals are marked.
+        maze_frame: Where the maze lies.
+        occupied: [map rows, map cols] the map.
+        map_frame: Where the map lies.
+        cols: Width of the terminal.
+        rooms: Rooms to name, map frame.
+        coloured: False for ASCII; None asks the terminal.
+    """
+    coloured = in_colour() if coloured is None else coloured
+    goals = {name: maze_frame.centre_of(cell) for name, cell in maze.goals.items()}
+    centres = {n: ((r.x_min_m + r.x_max_m) / 2, (r.y_min_m + r.y_max_m) / 2) for n, r in (rooms or {}).items()}
+    plan = plan_of_map(occupied, map_frame, goals, centres, maze_frame)
+    text = draw_plan(plan, Marks(), SCENE_ROWS, cols, coloured).text()
+    text.append("\n\n")
+    return text.append_text(legend(goals, cols, coloured))
+
+
+def legend(goals: Mapping[str, tuple[float, float]], cols: int, coloured: bool = True) -> Text:
+    """Return every goal's mark, name and coordinates (metres) in as many columns as fit."""
+    from rich.text import Text
+
+    strong = f"bold {palette.hexadecimal(palette.CURRENT_GOAL)}" if coloured else ""
+    quiet = palette.hexadecimal(palette.QUIET) if coloured else ""
+    wide = max((len(name) for name in goals), default=0)
+    entries = [
+        Text.assemble((goal_key(at) or "o", strong), f" {name:<{wide}}", (f"  x {x_m:6.2f} m  y {y_m:6.2f} m", quiet))
+        for at, (name, (x_m, y_m)) in enumerate(goals.items())
+    ]
+    columns = max(1, min((cols + 3) // (len(entries[0]) + 3), 3)) if entries else 1
+    lines = math.ceil(len(entries) / columns)
+    rows = [Text("   ").join(entries[line::lines]) for line in range(lines)]
+    return Text("\n").join(rows)

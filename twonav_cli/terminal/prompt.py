@@ -94,7 +94,7 @@ def _goal_named(typed: str, goals: Iterable[str]) -> str | None:
 
 @dataclass(frozen=True)
 class Press:
-    """One scripted key, by the name the screen knows it by."""
+    """One scripted key: a character, or a name of `NAMED_KEYS`."""
 
     key: str
 
@@ -106,17 +106,6 @@ class Wait:
     seconds: float | None = None
 
 
-KEY_NAMES = {
-    " ": "space",
-    ".": "full_stop",
-    "+": "plus",
-    "-": "minus",
-    "?": "question_mark",
-    "/": "slash",
-    ":": "colon",
-    "_": "underscore",
-    ",": "comma",
-}
 NAMED_KEYS = ("enter", "escape", "tab", "space", "backspace", "up", "down", "left", "right", "ctrl+c")
 
 
@@ -133,7 +122,7 @@ def read_keys(script: str) -> list[Press | Wait]:
     for token in re.findall(r"<[^>\s]*>?|\S", script):
         name = token[1:-1].lower()
         if len(token) == 1 and token != "<":
-            keys.append(Press(KEY_NAMES.get(token, token)))
+            keys.append(Press(token))
         elif re.fullmatch(r"wait(:\d+(\.\d+)?)?", name):
             keys.append(Wait(float(name[5:]) if len(name) > 4 else None))
         elif token.endswith(">") and name in NAMED_KEYS:

@@ -30,8 +30,6 @@ class TrainRequest:
     out: Path | None = None
     record: Path | None = None
     recording: bool = True
-    device: str = "cpu"
-    threads: int = 2
     quick: bool = False
     base: str = "omni"
     as_json: bool = False

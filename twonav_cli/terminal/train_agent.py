@@ -13,7 +13,7 @@ from twonav_cli.experiments.predecessors import checkpoint_folder, load_localize
 from twonav_cli.experiments.trials import LearningOutcome, learn_in_stage, learn_maze
 from twonav_cli.learner.agent import Agent
 from twonav_cli.mapping.floor import Floor
-from twonav_cli.terminal.console import TrainingProgress
+from twonav_cli.terminal.console import progress
 from twonav_cli.terminal.recordings import default_recording, recording
 from twonav_cli.terminal.train import TrainRequest, card_of
 
@@ -43,8 +43,13 @@ def train_agent(
         floor.maze, floor.maze_frame, floor.map.occupied, floor.map.frame,
     )  # fmt: skip
     saver = _Saver(request, floor, folder, agent)
-    with TrainingProgress(request.stage) as bar, recording(path, request.stage, begun) as recorder:
-        sink = to_all(recorder, _ProgressSink(bar, agent), saver)
+    with progress() as bar, recording(path, request.stage, begun) as recorder:
+        task = bar.add_task(f"goals learned, {request.stage}", total=len(agent.goal_names), result="")
+
+        def show(learned: int, numbers: str) -> None:
+            bar.update(task, completed=learned, result=numbers)
+
+        sink = to_all(recorder, _ProgressSink(show, agent), saver)
         result = _learn(request, floor, agent, sink, should_stop)
         recorder(RunEnded(Clock(agent.progress.trial, agent.progress.step), result.outcome))
     metrics = _metrics(result)
@@ -110,8 +115,8 @@ class _Saver:
 class _ProgressSink:
     """Shows trials, actions, success and goals learned as they come."""
 
-    def __init__(self, bar: TrainingProgress, agent: Agent) -> None:
-        self._bar, self._agent = bar, agent
+    def __init__(self, show: Callable[[int, str], None], agent: Agent) -> None:
+        self._show, self._agent = show, agent
         self._recent: list[bool] = []
 
     def __call__(self, event: Event) -> None:
@@ -123,8 +128,5 @@ class _ProgressSink:
             return
         learned = int(self._agent.progress.learned.sum())
         share = sum(self._recent) / max(len(self._recent), 1)
-        self._bar.update(
-            learned,
-            len(self._agent.goal_names),
-            f"trial {event.clock.trial}, action {event.clock.step}, success of the last {len(self._recent)}: {share:.0%}",
-        )
+        recent = f"success of the last {len(self._recent)}: {share:.0%}"
+        self._show(learned, f"trial {event.clock.trial}, action {event.clock.step}, {recent}")

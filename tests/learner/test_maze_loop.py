@@ -1,0 +1,118 @@
+"""The compiled loop learns exactly what the agent learns action by action."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from twonav_cli.config import LearningConfig
+from twonav_cli.grid import Cell
+from twonav_cli.learner.agent import Agent
+from twonav_cli.learner.exploration import boltzmann_probabilities
+from twonav_cli.learner.maze_loop import MazeLoop, boltzmann, drawn_action, first_state, greedy, uniform
+from twonav_cli.maze import Maze
+
+
+def small_maze() -> Maze:
+    blocked = np.zeros((5, 6), dtype=np.bool_)
+    blocked[1, 1:5] = blocked[3, 0:3] = True
+    goals = {"a": Cell(4, 0), "b": Cell(0, 5), "c": Cell(2, 2)}
+    return Maze(blocked, goals, {"s": Cell(0, 0), "t": Cell(4, 5)})
+
+
+def learned_action_by_action(agent: Agent, maze: Maze, loop: MazeLoop, trials: int, seed: int) -> list[int]:
+    """Do the loop's trials with `Agent.observe`, with the loop's own draws from the agent's table."""
+    state, starts = np.array([first_state(seed)], dtype=np.uint64), list(maze.starts.values())
+    goal, steps = agent.progress.goal, []
+    tables = agent.q.reshape(-1, 4, len(maze.goals))
+    for trial in range(trials):
+        cell, taken = starts[trial % len(starts)], 0
+        while cell != agent.goal_cells[goal] and taken < agent.config.trial_limit_steps:
+            number = cell.row * maze.cols + cell.col
+            action = int(drawn_action(tables, loop.rules, number, goal, 1.0 / agent.temperature, state))
+            next_cell = maze.moved(cell, action)
+            agent.observe(cell, action, next_cell, blocked=next_cell == cell)
+            cell, taken = next_cell, taken + 1
+        agent.end_trial()
+        steps.append(taken)
+    return steps
+
+
+@pytest.mark.parametrize("exploration", ["boltzmann", "epsilon-greedy"])
+@pytest.mark.parametrize("learning_rate", [1.0, 0.3])
+def test_the_loop_leaves_the_tables_that_observe_leaves(exploration: str, learning_rate: float) -> None:
+    maze = small_maze()
+    config = LearningConfig(
+        learning_rate=learning_rate, exploration=exploration, replay_period_steps=37, trial_limit_steps=60
+    )
+    fast, slow = Agent.for_maze(maze, config), Agent.for_maze(maze, config)
+    fast.progress.begin_goal(1)
+    slow.progress.begin_goal(1)
+    loop = MazeLoop(fast, maze, seed=5, trials_per_call=12)
+    rows, learned = loop.run()
+    loop.close()
+    steps = learned_action_by_action(slow, maze, loop, 12, seed=5)
+    assert not learned
+    assert sum(steps) > 3 * 37
+    assert rows.steps.tolist() == steps
+    assert np.allclose(fast.q, slow.q, rtol=1e-12, atol=1e-9)
+    assert np.allclose(fast.td, slow.td, rtol=1e-9, atol=1e-6)
+    assert fast.replay.counts == slow.replay.counts
+    assert (fast.sweeps, fast.steps_since_sweep) == (slow.sweeps, slow.steps_since_sweep)
+    assert fast.temperature == slow.temperature
+    assert np.allclose(rows.td_errors[-1], slow.td_error_of_goals())
+
+
+def test_without_sweeps_the_two_agree_bit_for_bit() -> None:
+    maze, config = small_maze(), LearningConfig(replay_period_steps=10**9, trial_limit_steps=60)
+    fast, slow = Agent.for_maze(maze, config), Agent.for_maze(maze, config)
+    fast.progress.begin_goal(0)
+    slow.progress.begin_goal(0)
+    loop = MazeLoop(fast, maze, seed=5, trials_per_call=20)
+    loop.run()
+    learned_action_by_action(slow, maze, loop, 20, seed=5)
+    assert np.array_equal(fast.q, slow.q)
+    assert np.array_equal(fast.td, slow.td)
+
+
+def test_starts_take_turns_and_a_goal_that_is_a_start_takes_no_action() -> None:
+    maze = small_maze()
+    maze = replace(maze, starts={**maze.starts, "on the goal": Cell(2, 2)})
+    agent = Agent.for_maze(maze, LearningConfig())
+    agent.progress.begin_goal(2)
+    rows, _ = MazeLoop(agent, maze, seed=0, trials_per_call=7).run()
+    assert rows.start.tolist() == [0, 1, 2, 0, 1, 2, 0]
+    assert rows.steps[rows.start == 2].tolist() == [0, 0]
+    assert rows.reached.all()
+    assert agent.progress.next_start == 1
+
+
+def test_a_trial_fails_at_its_limit() -> None:
+    maze = small_maze()
+    agent = Agent.for_maze(maze, LearningConfig(trial_limit_steps=3))
+    agent.progress.begin_goal(0)
+    rows, _ = MazeLoop(agent, maze, seed=0, trials_per_call=4).run()
+    assert rows.steps.tolist() == [3, 3, 3, 3]
+    assert not rows.reached.any()
+    assert agent.progress.consecutive.tolist() == [0, 0]
+
+
+def test_random_numbers_are_uniform() -> None:
+    state = np.array([first_state(0)], dtype=np.uint64)
+    drawn = np.array([uniform(state) for _ in range(20_000)])
+    assert 0 <= drawn.min() < drawn.max() < 1
+    assert np.abs(np.histogram(drawn, 10, (0, 1))[0] / 20_000 - 0.1).max() < 0.01
+
+
+def test_compiled_boltzmann_draws_by_the_probabilities_of_eq_6() -> None:
+    values, state = np.array([0.0, 2.0, 4.0, 6.0]), np.array([99], dtype=np.uint64)
+    q = values.reshape(1, 4, 1)
+    drawn = np.bincount([boltzmann(q, 0, 0, 0.5, state) for _ in range(20_000)], minlength=4) / 20_000
+    assert np.abs(drawn - boltzmann_probabilities(values, 2.0)).max() < 0.015
+
+
+def test_compiled_greedy_breaks_ties_evenly() -> None:
+    q, state = np.array([7.0, 1.0, 7.0, 7.0]).reshape(1, 4, 1), np.array([99], dtype=np.uint64)
+    drawn = np.bincount([greedy(q, 0, 0, state) for _ in range(6000)], minlength=4)
+    assert drawn[1] == 0
+    assert drawn[[0, 2, 3]].min() > 1800

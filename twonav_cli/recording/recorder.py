@@ -1,0 +1,197 @@
+"""The recorder: a sink that turns the events of a run into one .rrd file.
+
+It sees events and nothing else, so it can never change a result.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import rerun as rr
+
+from twonav_cli import __version__, events
+from twonav_cli.errors import unknown_name
+from twonav_cli.events import Clock, Event
+from twonav_cli.grid import GridFrame
+from twonav_cli.recording.blueprint import Replay, drive_blueprint, fitting_blueprint, maze_blueprint
+from twonav_cli.recording.drive_rows import DriveRows, unfinished
+from twonav_cli.recording.fitting_rows import FittingRows
+from twonav_cli.recording.flight import Detail, FlightRule
+from twonav_cli.recording.guide_text import about
+from twonav_cli.recording.learning_rows import LearningRows
+from twonav_cli.recording.q_pictures import QPictures
+from twonav_cli.recording.rrd_file import FITTING_TIMELINES, TIMELINES, RrdFile
+from twonav_cli.recording.scenery import write_floor, write_looks, write_q_scenery
+
+APPLICATION_IDS = {"maze": "twonav_maze", "3d": "twonav_mujoco", "localizer": "twonav_fit"}
+"""Stage to application id: one id, one layout, for the viewer keeps the layout of the first file of an id."""
+
+FORMAT = 1
+STEPS_PER_SHIPMENT = 25
+"""Actions after which a trial that is kept anyway is written, so that a killed game loses little."""
+REPLAY_S = 8.0
+"""A recording opens on this many seconds before its last failure."""
+
+
+class Recorder:
+    """Writes what happens to an .rrd file."""
+
+    def __init__(self, path: Path, kind: str, *, every_trial: bool = True, budget_mb: float = 200.0) -> None:
+        """Open the file.
+
+        Args:
+            path: Must end in .rrd; a file that is there is replaced.
+            kind: "maze", "3d" or "localizer".
+            every_trial: Keep every trial in full; else failed ones, the first five and every twentieth.
+            budget_mb: Size after which only one row per trial is written.
+
+        Raises:
+            TwonavError: The path cannot be written, or there is no such kind.
+        """
+        if kind not in APPLICATION_IDS:
+            raise unknown_name("kind of recording", kind, APPLICATION_IDS)
+        self.path = Path(path)
+        self._kind = kind
+        self._rule = FlightRule(every_trial=every_trial, budget_bytes=int(budget_mb * 1e6))
+        timelines = FITTING_TIMELINES if kind == "localizer" else TIMELINES
+        self._file = RrdFile(self.path, APPLICATION_IDS[kind], timelines)
+        self._clock = Clock()
+        self._trial: Clock | None = None
+        self._trials = 0
+        self._actions = 0
+        self._replay: Replay | None = None
+        self._replays_failure = False
+        self._goals: list[str] = []
+        self._frame: GridFrame | None = None
+        self._batches: Callable[[], None] | None = None
+        self._last_table: Callable[[], None] | None = None
+        self._closed = False
+        self._takers: dict[type[Event], list[Callable[[Any], None]]] = {
+            events.RunStarted: [self._run_started],
+            events.Note: [self._note],
+            events.RunEnded: [self._run_ended],
+        }
+
+    def __call__(self, event: Event) -> None:
+        """Record an event; kinds without a row are passed over."""
+        if self._closed:
+            return
+        self._clock = event.clock
+        for take in self._takers.get(type(event), ()):
+            take(event)
+
+    def __enter__(self) -> Recorder:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is not None and not self._closed:
+            self._file.put("log", ("ERROR", f"the run was stopped: {kind.__name__}"), self._clock, Detail.TRIAL)
+        self.close()
+
+    def close(self) -> None:
+        """Write what is buffered, the layout that opens on the last failure, and the footer."""
+        if self._closed:
+            return
+        self._closed = True
+        if self._trial is not None:
+            unfinished(self._file, self._trial, self._clock)
+            self._remember_replay(self._trial, self._clock, failed=False)
+        for finish in (self._batches, self._last_table):
+            if finish is not None:
+                finish()
+        self._file.ship(self._rule.level(0, True, self._file.size_bytes))
+        if self._kind == "3d" and self._frame is not None:
+            self._file.show(drive_blueprint(self._goals, self._frame, self._replay))
+        self._file.close()
+
+    def _run_started(self, event: events.RunStarted) -> None:
+        name = f"{event.command} {event.scene}, stage {event.stage}, seed {event.seed}"
+        properties = {
+            "format": FORMAT,
+            "twonav": __version__,
+            "kind": self._kind,
+            "command": event.command,
+            "stage": event.stage,
+            "scene": event.scene,
+            "seed": event.seed,
+            "settings": json.dumps(event.settings),
+            "goals": json.dumps(event.maze.goal_names if event.maze else []),
+        }
+        self._file.describe(name, properties)
+        self._file.always("readme", rr.TextDocument(about(event, self._kind), media_type="text/markdown"))
+        if self._kind == "localizer":
+            self._take_fitting()
+        elif event.maze is not None:
+            self._take_trials(event)
+        self._file.ship(Detail.FULL)
+
+    def _take_fitting(self) -> None:
+        rows = FittingRows(self._file)
+        self._file.show(fitting_blueprint([]))
+        self._takers[events.FittingStep] = [rows.step]
+        self._takers[events.FittingValidated] = [rows.validated]
+
+    def _take_trials(self, event: events.RunStarted) -> None:
+        maze = event.maze
+        assert maze is not None
+        frame = event.maze_frame or GridFrame(0.0, 0.0, 1.0, maze.rows, maze.cols)
+        self._goals = maze.goal_names
+        self._frame = event.map_frame or frame
+        always = self._file.always
+        write_floor(always, maze, frame, event.occupied, event.map_frame)
+        write_q_scenery(always, maze, frame)
+        write_looks(always, maze)
+        show_maze = self._kind == "maze"
+        layout = maze_blueprint(self._goals, frame) if show_maze else drive_blueprint(self._goals, self._frame, None)
+        self._file.show(layout)
+        drive, learning = DriveRows(self._file, maze, frame), LearningRows(self._file, maze)
+        pictures = QPictures(self._file, maze, frame)
+        self._batches, self._last_table = learning.write_batches, pictures.write_pending
+        self._takers |= {
+            events.GoalChosen: [learning.goal_chosen, pictures.goal_chosen],
+            events.TrialStarted: [self._trial_started, learning.trial_started, drive.trial_started],
+            events.Tick: [drive.tick],
+            events.StepTaken: [drive.step, self._step_taken],
+            events.TrialEnded: [drive.trial_ended, learning.trial_ended, self._trial_ended],
+            events.TrialBatch: [learning.batch],
+            events.GoalLearned: [learning.goal_learned],
+            events.QSnapshot: [pictures.snapshot],
+            events.Kidnapped: [drive.kidnapped],
+        }
+
+    def _trial_started(self, event: events.TrialStarted) -> None:
+        self._trial = event.clock
+
+    def _step_taken(self, event: events.StepTaken) -> None:
+        self._actions += 1
+        if self._rule.every_trial and self._actions % STEPS_PER_SHIPMENT == 0:
+            self._file.ship(self._rule.level(self._trials, False, self._file.size_bytes))
+
+    def _trial_ended(self, event: events.TrialEnded) -> None:
+        failed = event.outcome != "reached"
+        level = self._rule.level(self._trials, failed, self._file.size_bytes)
+        self._trials += 1
+        if self._trial is not None and level == Detail.FULL:
+            self._remember_replay(self._trial, event.clock, failed=failed)
+        self._trial = None
+        self._file.ship(level)
+
+    def _remember_replay(self, start: Clock, end: Clock, *, failed: bool) -> None:
+        """Keep the stretch that the recording opens on: of the last failure, else of the last trial."""
+        if (self._replays_failure and not failed) or end.time_s <= start.time_s:
+            return
+        self._replays_failure = failed
+        self._replay = Replay(max(start.time_s, end.time_s - REPLAY_S), end.time_s + 0.5)
+
+    def _note(self, event: events.Note) -> None:
+        self._file.put("log", (event.level, event.text), event.clock, Detail.TRIAL)
+
+    def _run_ended(self, event: events.RunEnded) -> None:
+        self._file.put("log", ("INFO", f"run ended: {event.outcome}"), event.clock, Detail.TRIAL)
+        self._file.now("ending", rr.AnyValues(outcome=event.outcome), event.clock)

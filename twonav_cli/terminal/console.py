@@ -1,0 +1,75 @@
+"""What is printed outside the play screen: the two consoles, the one red line of an error, progress bars."""
+
+from __future__ import annotations
+
+import os
+import sys
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.progress import Progress
+
+
+@lru_cache(maxsize=1)
+def out() -> Console:
+    """Return the console of standard output; rich itself honours NO_COLOR, TERM=dumb and pipes."""
+    from rich.console import Console
+
+    return Console(highlight=False, emoji=False)
+
+
+@lru_cache(maxsize=1)
+def err() -> Console:
+    """Return the console of standard error."""
+    from rich.console import Console
+
+    return Console(stderr=True, highlight=False, emoji=False)
+
+
+def fail(message: str) -> None:
+    """Print an error as one red line on standard error."""
+    err().print(f"error: {' '.join(message.split())}", style="bold red", markup=False, soft_wrap=True)
+
+
+def in_colour() -> bool:
+    """Whether standard output shows colours: a terminal that is not dumb, and NO_COLOR is not set."""
+    return sys.stdout.isatty() and not colour_refused()
+
+
+def colour_refused() -> bool:
+    """Whether the surroundings ask for no colour (NO_COLOR, TERM=dumb)."""
+    return bool(os.environ.get("NO_COLOR")) or dumb()
+
+
+def dumb() -> bool:
+    """Whether the terminal cannot move its cursor."""
+    return os.environ.get("TERM", "").lower() in ("dumb", "unknown")
+
+
+def screen_possible() -> bool:
+    """Whether a play screen can be shown: both ends are a terminal, and it is not dumb."""
+    return sys.stdin.isatty() and sys.stdout.isatty() and not dumb()
+
+
+def progress() -> Progress:
+    """Return a progress bar on standard error: what, how far, how fast, how long still."""
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=30, complete_style="cyan", finished_style="cyan"),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+        console=err(),
+    )
