@@ -60,7 +60,7 @@ class GoalChosen(Event):
     goal: str
     reason: str
     td_errors: FloatArray | None = None
-    """[G] largest TD error of each goal."""
+    """[G] mean squared TD error of each goal over the free entries."""
 
 
 @dataclass(frozen=True)
@@ -159,7 +159,7 @@ class TrialBatch(Event):
     shortest: NDArray[np.int64]
     """[n] length of the shortest way."""
     td_errors: FloatArray
-    """[n, G] largest TD error of each goal after the trial."""
+    """[n, G] mean squared TD error of each goal over the free entries, after the trial."""
     last_step: NDArray[np.int64]
     """[n] value of the run's step counter when the trial ended."""
 

@@ -26,7 +26,7 @@ from twonav_cli.grid import Cell
 from twonav_cli.learner.agent import Agent
 from twonav_cli.maze import Action, Maze, filled_where_unreachable
 from twonav_cli.stages.maze_stage import MazeStage
-from twonav_cli.stages.stage import BLOCKED, REACHED, ActionResult, Observation
+from twonav_cli.stages.stage import BLOCKED, REACHED, TIMED_OUT, ActionResult, Observation
 
 CONFIG = LearningConfig(consecutive_successes=50)
 CARD = {"scene": "test", "scene_digest": "s", "map_digest": "m", "command": "test", "seed": 0, "metrics": {}}
@@ -219,6 +219,20 @@ def test_a_robot_that_cannot_move_is_blocked() -> None:
     assert agent.q[0, 2, Action.RIGHT, 0] < 80.0
 
 
+class LateStage(MazeStage):
+    """A maze whose actions do what they say but report that they ran out of time."""
+
+    def act(self, action: int, clock: Clock, sink: Sink) -> ActionResult:
+        return replace(super().act(action, clock, sink), outcome=TIMED_OUT)
+
+
+def test_an_action_that_ran_out_of_time_is_punished_like_a_bump_unless_it_enters_the_goal() -> None:
+    agent = agent_that_goes(Action.RIGHT)
+    run(LateStage(CORRIDOR), agent, Cell(0, 3), learn=True)
+    assert agent.q[0, 3, Action.RIGHT, 0] == 90.0 + (-2.0 + 0.95 * 90.0 - 90.0)
+    assert agent.q[0, 4, Action.RIGHT, 0] == 100.0
+
+
 def test_a_robot_that_walks_to_and_fro_is_in_a_loop() -> None:
     agent = agent_that_goes(Action.LEFT)
     agent.q[0, 1, Action.RIGHT] = 95.0
@@ -246,6 +260,18 @@ def test_the_slow_loop_learns_any_stage_and_can_be_stopped_and_go_on(tmp_path: P
     again = Agent.load(tmp_path)
     assert learn_in_stage(MazeStage(maze), again, 0, to_nobody, lambda: False) == whole
     assert np.array_equal(again.q, unbroken.q)
+
+
+def test_every_start_gets_as_many_trials_as_the_others() -> None:
+    maze = random_maze(5, 1)
+    config = replace(CONFIG, consecutive_successes=3, max_step_difference=0.4, temperature_decay=0.98)
+    for seed in range(3):
+        slow, fast = Agent.for_maze(maze, config, seed), Agent.for_maze(maze, config, seed)
+        outcomes = [
+            learn_in_stage(MazeStage(maze), slow, seed, to_nobody, lambda: False),
+            learn_maze(fast, maze, seed, to_nobody, lambda: False),
+        ]
+        assert all(n % len(maze.starts) == 0 for o in outcomes for n in o.trials_of_goal.values())
 
 
 def test_the_slow_loop_gives_up() -> None:

@@ -91,6 +91,15 @@ def test_the_temperature_decays_but_never_to_zero(agent: Agent) -> None:
     assert agent.temperature == COLDEST
 
 
+def test_a_new_goal_starts_warm_and_unconfirmed(agent: Agent) -> None:
+    agent.end_trial()
+    agent.progress.consecutive[:] = 3
+    agent.begin_goal(1)
+    assert agent.temperature == 2.0
+    assert agent.progress.goal == 1
+    assert agent.progress.consecutive.tolist() == [0]
+
+
 @pytest.mark.parametrize(
     "wrong",
     [

@@ -80,11 +80,12 @@ def test_starts_take_turns_and_a_goal_that_is_a_start_takes_no_action() -> None:
     maze = replace(maze, starts={**maze.starts, "on the goal": Cell(2, 2)})
     agent = Agent.for_maze(maze, LearningConfig())
     agent.progress.begin_goal(2)
-    rows, _ = MazeLoop(agent, maze, seed=0, trials_per_call=7).run()
+    loop = MazeLoop(agent, maze, seed=0, trials_per_call=7)
+    rows, _ = loop.run()
     assert rows.start.tolist() == [0, 1, 2, 0, 1, 2, 0]
     assert rows.steps[rows.start == 2].tolist() == [0, 0]
     assert rows.reached.all()
-    assert agent.progress.next_start == 1
+    assert loop.run()[0].start.tolist() == [1, 2, 0, 1, 2, 0, 1]
 
 
 def test_a_trial_fails_at_its_limit() -> None:

@@ -40,8 +40,6 @@ def toy_picture(pose: Pose) -> NDArray[np.uint8]:
 @pytest.fixture(scope="session")
 def toy_store(tmp_path_factory: pytest.TempPathFactory) -> FrameStore:
     folder: Path = tmp_path_factory.mktemp("frames")
-    plan = plan_frames(
-        np.zeros(ROOM.shape, dtype=bool), ROOM, [Pose(1.5, 1.0, 0.0)], PlanConfig(60, 1200, 150), seed=5
-    )
+    plan = plan_frames(np.zeros(ROOM.shape, dtype=bool), ROOM, [Pose(1.5, 1.0, 0.0)], PlanConfig(60, 1200, 150), seed=5)
     collect(toy_picture, plan, folder, Provenance("toy", "toy-digest", 5))
     return open_store(folder, "toy-digest")

@@ -13,22 +13,25 @@ from twonav_cli.grid import GridFrame
 from twonav_cli.motion import noisy_motion
 
 STEP_S = 0.02
-RAY_STEP_M = 0.005
+RAY_STEP_M = 0.01
 RAY_END_M = 0.7
 BEAMS_RAD = np.linspace(-math.pi / 2, math.pi / 2, 180)
 
 
 def footprint_points() -> NDArray[np.float64]:
-    """Return points [N, 2] of the whole footprint, 1 cm apart."""
+    """Return points [N, 2] of the whole footprint: rings 3 cm apart, each in steps of at most 1 cm."""
     outline = np.array(ROBOT_FOOTPRINT_M)
-    xs, ys = np.meshgrid(np.arange(-0.29, 0.2101, 0.01), np.arange(-0.19, 0.1901, 0.01))
-    points = np.stack([xs.ravel(), ys.ravel()], axis=1)
-    ahead = np.roll(outline, -1, axis=0) - outline
-    inside = [
-        ahead[i, 0] * (points[:, 1] - outline[i, 1]) - ahead[i, 1] * (points[:, 0] - outline[i, 0]) >= -1e-9
-        for i in range(len(outline))
-    ]
-    return points[np.all(inside, axis=0)]
+    corners = np.concatenate([outline * share for share in np.arange(1.0, 0.0, -0.1)])
+    ends = np.concatenate([np.roll(outline, -1, axis=0) * share for share in np.arange(1.0, 0.0, -0.1)])
+    steps = np.arange(25)[:, None, None] / 25
+    return np.asarray((corners + (ends - corners) * steps).reshape(-1, 2), dtype=np.float64)
+
+
+def rays() -> NDArray[np.float64]:
+    """Return points [180 * steps, 2] along the beams, in the robot's frame."""
+    ranges = np.arange(0.1, RAY_END_M, RAY_STEP_M)
+    directions = np.stack([np.cos(BEAMS_RAD), np.sin(BEAMS_RAD)], axis=1)
+    return (ranges[None, :, None] * directions[:, None, :] + np.array([0.02, 0.0])).reshape(-1, 2)
 
 
 class KinematicBody:
@@ -48,7 +51,7 @@ class KinematicBody:
         self.time_s = 0.0
         self.path: list[Pose] = [pose]
         self._occupied, self._frame = occupied, frame
-        self._footprint = footprint_points()
+        self._footprint, self._rays = footprint_points(), rays()
         self._twist = Twist(0.0, 0.0, 0.0)
         self._noise, self._rng = noise, np.random.default_rng(seed)
         self._reported = pose
@@ -92,9 +95,7 @@ class KinematicBody:
 
     def scan(self) -> NDArray[np.float64]:
         ranges = np.arange(0.1, RAY_END_M, RAY_STEP_M)
-        rays = ranges[None, :, None] * np.stack([np.cos(BEAMS_RAD), np.sin(BEAMS_RAD)], axis=1)[:, None, :]
-        points = points_in_map(self.pose, (rays + (0.02, 0.0)).reshape(-1, 2))
-        hits = self._occupied_at(points).reshape(len(BEAMS_RAD), len(ranges))
+        hits = self._occupied_at(points_in_map(self.pose, self._rays)).reshape(len(BEAMS_RAD), len(ranges))
         return np.where(hits.any(axis=1), ranges[hits.argmax(axis=1)], 8.0)
 
     def twist(self) -> Twist:

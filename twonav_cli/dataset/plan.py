@@ -80,7 +80,7 @@ def plan_frames(
     return FramePlan(
         np.concatenate([on_grid, trained, tested]).astype(np.float32),
         np.repeat(np.array([GRID, RANDOM, HELD_OUT], dtype=np.uint8), counts),
-        np.concatenate(
-            [labels, np.full(len(trained), places.TRAIN), np.full(len(tested), places.TEST)]
-        ).astype(np.uint8),
+        np.concatenate([labels, np.full(len(trained), places.TRAIN), np.full(len(tested), places.TEST)]).astype(
+            np.uint8
+        ),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -83,13 +84,15 @@ def evaluate_pairs(
     on_pair: Callable[[PairResult], None],
     should_stop: Callable[[], bool],
 ) -> PairTable:
-    """Drive every goal from every start with what the agent knows now; nothing is learned on the way.
+    """Drive every goal from every start, greedily, with what the agent knows now.
 
-    Each pair draws from its own random stream, so a pair's result does not depend on the pairs before it.
+    Within a trial the agent keeps learning, as it does in play (a blocked way must lose its value, or a greedy agent
+    stands before it for ever); for the next pair it forgets that again. Each pair draws from its own random stream.
+    So a pair's result depends on the pairs before it only through the noise of odometry.
 
     Args:
         stage: Where to drive.
-        agent: Whose values are followed, with the exploration of its settings.
+        agent: Whose values are followed; unchanged afterwards.
         seed: Seed of the run.
         sink: Consumer of events.
         on_pair: Called after each pair.
@@ -103,7 +106,8 @@ def evaluate_pairs(
                 return table
             rng = stream(seed, "explore", goal_index, start_index)
             touched = getattr(stage, "collisions", 0)
-            result = run_trial(stage, agent, goal_index, cell, rng, clock, sink, learn=False, explore=True)
+            driver = copy.deepcopy(agent)
+            result = run_trial(stage, driver, goal_index, cell, rng, clock, sink, learn=True, explore=False)
             clock = Clock(clock.trial + 1, clock.step + result.steps, stage.time_s)
             pair = _pair(goal, start, result, getattr(stage, "collisions", 0) - touched)
             table.pairs.append(pair)

@@ -28,7 +28,7 @@ from twonav_cli.events import (
     TrialEnded,
     TrialStarted,
 )
-from twonav_cli.experiments.failure import cause_of_failure
+from twonav_cli.experiments.trials import Passed, failure_of
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell, GridFrame
 from twonav_cli.learner.agent import Agent
@@ -154,21 +154,21 @@ class Journey:
         self._sink(GoalChosen(self._clock(), goal, "asked for", self.agent.td_error_of_goals()))
         self._sink(QSnapshot(self._clock(), self.agent.table()))
         self._sink(TrialStarted(self._clock(), goal, start, self._seen.pose_true))
-        steps: list[StepTaken] = []
+        passed: list[Passed] = []
         outcome = "time-out"
         while self._step - begun < self.agent.config.trial_limit_steps:
             self._between_actions(waiting)
             if self._seen.cell == self.maze.goals[goal]:
                 outcome = REACHED if self._seen.true_cell == self.maze.goals[goal] else "false-arrival"
                 break
-            steps.append(self._take_step(goal, index))
+            passed.append(self._take_step(goal, index))
             if waiting and waiting[0] == "":  # a new goal was asked for on the way
                 waiting.popleft()
                 outcome = "given-up"
                 break
-        self._end_trial(goal, start, outcome, self._step - begun, shortest, steps)
+        self._end_trial(goal, start, outcome, self._step - begun, shortest, passed)
 
-    def _take_step(self, goal: str, index: int) -> StepTaken:
+    def _take_step(self, goal: str, index: int) -> Passed:
         before = self._seen
         by_hand = self._wishes.take_move()
         action, greedy = self.agent.choose(before.cell, index, self._rng)
@@ -184,12 +184,13 @@ class Journey:
             self._seen.true_cell, self._seen.pose_true, self._seen.pose_estimate, self._seen.image,
         )  # fmt: skip
         self._paced(step)
-        return step
+        return Passed(self._seen.cell, blocked)
 
     def _end_trial(
-        self, goal: str, start: Cell, outcome: str, steps: int, shortest: int, taken: list[StepTaken]
+        self, goal: str, start: Cell, outcome: str, steps: int, shortest: int, passed: list[Passed]
     ) -> None:
-        cause, evidence = ("", "") if outcome in (REACHED, "given-up") else cause_of_failure(outcome, taken)
+        explained = "reached" if outcome == "given-up" else outcome
+        cause, evidence = failure_of(explained, self._seen, self.maze.goals[goal], passed)
         self.visits.append(Visit(goal, outcome, steps, shortest))
         self._sink(
             TrialEnded(

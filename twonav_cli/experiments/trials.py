@@ -165,7 +165,7 @@ def _choose_goal_if_none(agent: Agent, seed: int, sink: Sink, time_s: float = 0.
         return
     td_errors, rule = agent.td_error_of_goals(), agent.config.goal_selection
     rng = stream(seed, "goals", int(progress.learned.sum()))
-    progress.begin_goal(next_goal(rule, td_errors, progress.learned, rng))
+    agent.begin_goal(next_goal(rule, td_errors, progress.learned, rng))
     name = agent.goal_names[progress.goal]
     sink(GoalChosen(_clock_of(agent, time_s), name, GOAL_SELECTIONS[rule], td_errors))
 
@@ -248,7 +248,7 @@ def _learn_from_trial(stage: Stage, agent: Agent, seed: int, sink: Sink) -> bool
 
 
 @dataclass(frozen=True)
-class _Passed:
+class Passed:
     """What a trial remembers of a step to explain a failure."""
 
     cell: Cell
@@ -285,12 +285,12 @@ def run_trial(
     goal_cell, name = agent.goal_cells[goal], agent.goal_names[goal]
     seen = stage.place(start)
     sink(TrialStarted(clock, name, start, seen.pose_true))
-    passed: list[_Passed] = []
+    passed: list[Passed] = []
     while start != goal_cell and seen.cell != goal_cell and len(passed) < agent.config.trial_limit_steps:
         clock = replace(clock, step=clock.step + 1, time_s=stage.time_s)
         before = seen
         seen, blocked = _take_step(stage, agent, goal, before, rng, clock, sink, learn, explore)
-        passed.append(_Passed(seen.cell, blocked))
+        passed.append(Passed(seen.cell, blocked))
     return _ended(stage, goal_cell, name, start, seen, passed, replace(clock, time_s=stage.time_s), sink)
 
 
@@ -300,7 +300,7 @@ def _ended(
     name: str,
     start: Cell,
     seen: Observation,
-    passed: list[_Passed],
+    passed: list[Passed],
     clock: Clock,
     sink: Sink,
 ) -> TrialResult:
@@ -354,7 +354,7 @@ def _take_step(
     return seen, blocked
 
 
-def failure_of(outcome: str, seen: Observation, goal_cell: Cell, passed: list[_Passed]) -> tuple[str, str]:
+def failure_of(outcome: str, seen: Observation, goal_cell: Cell, passed: list[Passed]) -> tuple[str, str]:
     """Return why a trial failed, from a closed list, and one sentence of evidence; empty when it did not."""
     if outcome == "reached":
         return "", ""

@@ -23,6 +23,7 @@ from twonav_cli.dataset.store import FrameStore, Indices
 from twonav_cli.errors import TwonavError
 from twonav_cli.events import Clock, FittingStep, FittingValidated, Sink
 from twonav_cli.localizer.errors_report import error_metrics
+from twonav_cli.localizer.nearest import nearest_poses
 from twonav_cli.localizer.networks import PoseNetwork, build_network, network_input
 from twonav_cli.localizer.objective import pose_loss, varied
 from twonav_cli.localizer.pose_code import HEADING_BINS, POSITION_BIN_M, PoseCode
@@ -34,12 +35,16 @@ def _setting(default: Any, sentence: str) -> Any:
     return field(default=default, metadata={"help": sentence})
 
 
+_MAY_CHANGE = ("images", "threads", "validations", "validation_frames", "paper_frames", "save_every_s")
+"""Settings that a training may change when it goes on: the first moves the end and with it the rate's fall."""
+
+
 @dataclass(frozen=True)
 class TrainingConfig:
     """How a localizer is trained."""
 
     architecture: str = _setting("inception-9", "Network, a name of ARCHITECTURES (§4.2.2: nine layers, no pooling).")
-    images: int = _setting(900_000, "Pictures shown in all, repeats included (ours).")
+    images: int = _setting(800_000, "Pictures shown in all, repeats included (ours).")
     batch: int = _setting(128, "Pictures between two updates (ours).")
     part: int = _setting(32, "Pictures a thread takes at a time; normalised together (ours).")
     threads: int = _setting(2, "Threads that compute gradients, one core each (ours).")
@@ -205,10 +210,13 @@ class _Training:
         """Measure, save the checkpoint and drop the training's state."""
         metrics: dict[str, Any] = {}
         paper = stream(self.seed, "paper test").permutation(self.store.paper_test())[: self.config.paper_frames]
-        for name, frames in (("off_grid", self.store.off_grid()), ("paper_split", paper)):
+        off_grid = self.store.off_grid()
+        for name, frames in (("off_grid", off_grid), ("paper_split", paper)):
             if len(frames):
                 metrics[name] = self._metrics(frames, pool)
-        if "off_grid" in metrics:
+        if len(off_grid):
+            nearest = nearest_poses(self.store, self.frames, off_grid)
+            metrics["off_grid_nearest_frame"] = error_metrics(nearest, self.store.poses[off_grid])
             self.sink(FittingValidated(self._clock(self.config.steps), metrics["off_grid"]))
         meta = self.store.meta
         card = {
@@ -233,7 +241,9 @@ class _Training:
         return Clock(trial=step * self.config.batch // len(self.frames), step=step)
 
     def _facts(self) -> dict[str, Any]:
-        return {"config": asdict(self.config), "seed": self.seed, "frames": self.store.meta}
+        """Return what a training that goes on must share with its beginning; it may end sooner or later."""
+        config = {name: value for name, value in asdict(self.config).items() if name not in _MAY_CHANGE}
+        return {"config": config, "seed": self.seed, "frames": self.store.meta}
 
 
 def decoded_poses(network: PoseNetwork, code: PoseCode, images: NDArray[np.uint8]) -> NDArray[np.float32]:

@@ -42,7 +42,7 @@ def load_state(folder: Path, network: nn.Module, optimizer: torch.optim.AdamW, f
         folder: Where the state is.
         network: Gets the weights.
         optimizer: Gets the moments.
-        facts: What must have been the same ("step" aside).
+        facts: What must have been the same; the state may hold more.
 
     Returns:
         The number of batches done; 0 where there is no state.
@@ -62,10 +62,17 @@ def load_state(folder: Path, network: nn.Module, optimizer: torch.optim.AdamW, f
         step = int(found.pop("step"))
     except (OSError, SafetensorError, ValueError, KeyError, AttributeError) as error:
         raise TwonavError(f"{path} is damaged: delete it and train from the start") from error
-    if found != json.loads(json.dumps(facts)):
+    if not _agrees(found, json.loads(json.dumps(facts))):
         raise TwonavError(f"{path} is of a training with other settings or frames: use the same, or start anew")
     _restore(network, optimizer, arrays, step)
     return step
+
+
+def _agrees(found: Any, wanted: Any) -> bool:
+    """Whether everything in `wanted`, key by key, is the same in `found`."""
+    if isinstance(wanted, dict):
+        return isinstance(found, dict) and all(_agrees(found.get(key), value) for key, value in wanted.items())
+    return bool(found == wanted)
 
 
 def _restore(network: nn.Module, optimizer: torch.optim.AdamW, arrays: dict[str, Tensor], step: int) -> None:

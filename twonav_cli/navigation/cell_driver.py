@@ -45,6 +45,9 @@ AIM_M = 0.12
 NEAR_ENOUGH_M = 0.12
 """A robot that stands this near and can get no nearer has reached the cell: its own cell ends at 0.2 m (ours)."""
 
+ROOM_SHORT_M = 0.1
+"""Room for the footprint this far before the target is room enough to go on (ours)."""
+
 PROGRESS_M = 0.005
 PROGRESS_RAD = 0.05
 """What counts as getting on: nearer, or turned further towards the direction of travel (ours)."""
@@ -126,9 +129,7 @@ def _stands(twist: Twist) -> bool:
 class CellDriver:
     """Drives single actions on one map with one base ("omni" or "differential")."""
 
-    def __init__(
-        self, config: DriveConfig, base: str, occupied: NDArray[np.bool_], map_frame: GridFrame
-    ) -> None:
+    def __init__(self, config: DriveConfig, base: str, occupied: NDArray[np.bool_], map_frame: GridFrame) -> None:
         self._config = config
         self._window = CostMap(occupied, map_frame)
         self._planner = DynamicWindow(config, base)
@@ -236,16 +237,16 @@ class CellDriver:
 
     def _seen_at(self, leg: Leg) -> bool:
         """Whether the range finder itself has seen that there is no room at the target."""
-        window, slack_m = self._window, 0.8 * self._config.position_tolerance_m
+        window = self._window
         seen = (window.marks == FROM_BEAM).view(np.uint8)
         if not seen.any():
             return False
         fill_distances(seen, window.grid.resolution_m, self._seen_m)
-        cos, sin = math.cos(leg.heading_rad), math.sin(leg.heading_rad)
-        for aside_m in (0.0, slack_m, -slack_m):
-            back_m = slack_m if aside_m == 0.0 else 0.0
-            x = leg.target_x_m - cos * back_m - sin * aside_m
-            y = leg.target_y_m - sin * back_m + cos * aside_m
+        heading = math.atan2(leg.target_y_m - leg.start_y_m, leg.target_x_m - leg.start_x_m)
+        cos, sin = math.cos(heading), math.sin(heading)
+        for aside_m in (0.0, 0.5 * NEAR_ENOUGH_M, -0.5 * NEAR_ENOUGH_M):
+            x = leg.target_x_m - cos * ROOM_SHORT_M - sin * aside_m
+            y = leg.target_y_m - sin * ROOM_SHORT_M + cos * aside_m
             if not touches(self._seen_m, window.grid, self._planner.robot, x, y, cos, sin):
                 return False
         return True

@@ -73,14 +73,22 @@ def _clear_outline(marks: NDArray[np.uint8], grid: WindowGrid, outline: FloatArr
                     break
             if inside:
                 marks[row, col] = 0
+                cleared += 1
+            elif marks[row, col] == FROM_MAP:
+                kept += 1
+    return cleared, kept
 
 
 @compiled
 def _mark_ends(
     marks: NDArray[np.uint8], grid: WindowGrid, laser: tuple[float, float, float], scan_m: FloatArray, cut_m: float
-) -> None:
-    """Mark the cells [h, w] that beams [180] end in, nearer than the cut; laser is (x_m, y_m, theta_rad)."""
+) -> int:
+    """Mark the cells [h, w] that beams [180] end in, nearer than the cut; laser is (x_m, y_m, theta_rad).
+
+    Returns how many cells were free before.
+    """
     rows, cols = marks.shape
+    added = 0
     for beam in range(scan_m.shape[0]):
         if scan_m[beam] >= cut_m:
             continue
@@ -89,7 +97,10 @@ def _mark_ends(
         u = (laser[0] + range_m * math.cos(angle) - grid.x_min_m) / grid.resolution_m
         v = (laser[1] + range_m * math.sin(angle) - grid.y_min_m) / grid.resolution_m
         if u >= 0.0 and v >= 0.0 and u < cols and v < rows:
-            marks[rows - 1 - int(v), int(u)] = FROM_BEAM
+            row, col = rows - 1 - int(v), int(u)
+            added += marks[row, col] == 0
+            marks[row, col] = FROM_BEAM
+    return added
 
 
 @compiled
@@ -100,9 +111,13 @@ def _clear_passed(
     laser: tuple[float, float, float],
     scan_m: FloatArray,
     cut_m: float,
-) -> None:
-    """Clear the cells [h, w] that beams [180] pass up to the cut; a map pixel only near something that was hit."""
+) -> tuple[int, int]:
+    """Clear the cells [h, w] that beams [180] pass up to the cut; a map pixel only near something that was hit.
+
+    Returns how many were cleared, and how many passes left a map pixel standing.
+    """
     rows, cols = marks.shape
+    cleared = kept = 0
     step_m = 0.5 * grid.resolution_m
     u = (laser[0] - grid.x_min_m) / grid.resolution_m
     v = (laser[1] - grid.y_min_m) / grid.resolution_m
@@ -116,6 +131,10 @@ def _clear_passed(
             row, col = rows - 1 - int(cv), int(cu)
             if marks[row, col] == FROM_BEAM or (marks[row, col] == FROM_MAP and to_hit_m[row, col] <= SAME_THING_M):
                 marks[row, col] = 0
+                cleared += 1
+            elif marks[row, col] == FROM_MAP:
+                kept += 1
+    return cleared, kept
 
 
 class CostMap:
@@ -136,15 +155,15 @@ class CostMap:
         self.distance_m = np.zeros((side, side), dtype=np.float64)
         self._hits = np.zeros((side, side), dtype=np.uint8)
         self._to_hit_m = np.zeros((side, side), dtype=np.float64)
+        self._nowhere_m = np.full((side, side), np.inf)
+        self._stale = True
         self.grid = WindowGrid(map_frame.x_min_m, map_frame.y_min_m, map_frame.resolution_m / SUBDIVISION)
         self._body = grown_outline(np.array(ROBOT_FOOTPRINT_M), -STANDING_INSET_M)
 
     @property
     def frame(self) -> GridFrame:
         """Where the window lies, in map pixels."""
-        return GridFrame(
-            self.grid.x_min_m, self.grid.y_min_m, self._frame.resolution_m, self._pixels, self._pixels
-        )
+        return GridFrame(self.grid.x_min_m, self.grid.y_min_m, self._frame.resolution_m, self._pixels, self._pixels)
 
     def begin(self, pose: Pose, target_xy: tuple[float, float]) -> None:
         """Lay the window around an action from a believed pose to a target and copy the map into it."""
@@ -155,6 +174,7 @@ class CostMap:
         self.grid = WindowGrid(
             self._frame.x_min_m + col0 * pixel, self._frame.y_min_m + up0 * pixel, pixel / SUBDIVISION
         )
+        self._stale = True
         _copy_map(self._occupied, self._frame.rows - up0 - self._pixels, col0, self.marks)
         cos, sin = math.cos(pose.theta_rad), math.sin(pose.theta_rad)
         outline = self._body @ np.array([[cos, sin], [-sin, cos]]) + np.array([pose.x_m, pose.y_m])
@@ -164,12 +184,16 @@ class CostMap:
         """Clear and mark by a scan [180] taken at the believed pose, cut at a range, and update the distances."""
         cos, sin = math.cos(pose.theta_rad), math.sin(pose.theta_rad)
         laser = (pose.x_m + LASER_X_M * cos, pose.y_m + LASER_X_M * sin, pose.theta_rad)
-        self._hits.fill(0)
-        _mark_ends(self._hits, self.grid, laser, scan_m, cut_m + SAME_THING_M)
-        fill_distances(self._hits, self.grid.resolution_m, self._to_hit_m)
-        _clear_passed(self.marks, self._to_hit_m, self.grid, laser, scan_m, cut_m)
-        _mark_ends(self.marks, self.grid, laser, scan_m, cut_m)
-        fill_distances(self.marks, self.grid.resolution_m, self.distance_m)
+        changed, passed = _clear_passed(self.marks, self._nowhere_m, self.grid, laser, scan_m, cut_m)
+        if passed > 0:
+            self._hits.fill(0)
+            _mark_ends(self._hits, self.grid, laser, scan_m, cut_m + SAME_THING_M)
+            fill_distances(self._hits, self.grid.resolution_m, self._to_hit_m)
+            changed += _clear_passed(self.marks, self._to_hit_m, self.grid, laser, scan_m, cut_m)[0]
+        changed += _mark_ends(self.marks, self.grid, laser, scan_m, cut_m)
+        if changed or self._stale:
+            fill_distances(self.marks, self.grid.resolution_m, self.distance_m)
+            self._stale = False
 
     def inflated(self, inscribed_m: float, inflation_m: float) -> NDArray[np.float32]:
         """Return the cost [h / 2, w / 2] of each map pixel: 1 where the robot's circle touches, 0 when far."""

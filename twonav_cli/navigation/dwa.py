@@ -83,6 +83,13 @@ def displacement(vx: float, vy: float, turn: float, time_s: float, curved: bool)
 
 
 @compiled
+def turned(x: float, y: float, angle_rad: float) -> tuple[float, float]:
+    """Return a vector turned counter-clockwise."""
+    cos, sin = math.cos(angle_rad), math.sin(angle_rad)
+    return cos * x - sin * y, sin * x + cos * y
+
+
+@compiled
 def obstacle_cost(
     pose: Pose,
     candidate: FloatArray,
@@ -95,24 +102,37 @@ def obstacle_cost(
 ) -> float:
     """Return the clearance cost along a candidate's roll-out; inf when it cannot stop before touching something.
 
-    Poses up to the stopping point count by their distance; a touch further on, before the target, counts in full.
+    Two thirds of the poses lie up to just behind the stopping point and count by their distance; a touch further on,
+    before the target, counts in full.
     """
-    dt = end_s / rollout.poses
+    near = max(2, 2 * rollout.poses // 3)
+    dt = stop_s / (near - 1)
     turn = candidate[2]
-    step_x, step_y = displacement(candidate[0], candidate[1], turn, dt, rollout.curved)
-    cos_w, sin_w = math.cos(turn * dt), math.sin(turn * dt)
-    x, y, cos, sin = pose[0], pose[1], math.cos(pose[2]), math.sin(pose[2])
+    x, y, theta = pose[0], pose[1], pose[2]
     worst = 0.0
-    for k in range(rollout.poses):
-        x, y = x + step_x, y + step_y
-        cos, sin = cos * cos_w - sin * sin_w, sin * cos_w + cos * sin_w
-        if rollout.curved:
-            step_x, step_y = step_x * cos_w - step_y * sin_w, step_x * sin_w + step_y * cos_w
-        if touches(distance_m, grid, robot, x, y, cos, sin):
-            return np.inf if k * dt < stop_s else 1.0
-        if k * dt < stop_s:
-            d = distance_at(distance_m, grid, x, y)
-            worst = max(worst, clearance_cost(d, robot.inscribed_m, rollout.inflation_m))
+    for part in (0, 1):
+        poses = near if part == 0 else rollout.poses - near
+        if part == 1:
+            theta += turn * near * dt
+            passed_s, dt = near * dt, max(end_s - near * dt, 0.0) / max(poses, 1)
+            if dt == 0.0:
+                break
+            vx, vy = turned(candidate[0], candidate[1], turn * passed_s if rollout.curved else 0.0)
+        else:
+            vx, vy = candidate[0], candidate[1]
+        step_x, step_y = displacement(vx, vy, turn, dt, rollout.curved)
+        cos, sin = math.cos(theta), math.sin(theta)
+        cos_w, sin_w = math.cos(turn * dt), math.sin(turn * dt)
+        for _ in range(poses):
+            x, y = x + step_x, y + step_y
+            cos, sin = cos * cos_w - sin * sin_w, sin * cos_w + cos * sin_w
+            if rollout.curved:
+                step_x, step_y = step_x * cos_w - step_y * sin_w, step_x * sin_w + step_y * cos_w
+            if touches(distance_m, grid, robot, x, y, cos, sin):
+                return np.inf if part == 0 else 1.0
+            if part == 0:
+                d = distance_at(distance_m, grid, x, y)
+                worst = max(worst, clearance_cost(d, robot.inscribed_m, rollout.inflation_m))
     return worst
 
 
@@ -132,7 +152,7 @@ def freeing_cost(
     For a robot that seems to stand in something: it may do what does not lead deeper.
     """
     left = 0
-    for share in (0.5, 1.0):
+    for share in (0.25, 0.5, 0.75, 1.0):
         time_s = share * stop_s
         dx, dy = displacement(candidate[0], candidate[1], candidate[2], time_s, curved)
         theta = pose[2] + candidate[2] * time_s
@@ -191,9 +211,7 @@ def best_candidate(
         speed = math.hypot(candidates[i, 0], candidates[i, 1])
         move_s = braking_time_s(speed, limits.acceleration_mps2, limits.tick_s)
         turn_s = braking_time_s(candidates[i, 2], limits.turn_acceleration_radps2, limits.tick_s)
-        cost = stopping_cost(
-            pose, candidates[i], move_s, turn_s, leg, rollout.curved, limits.forward_mps, weights
-        )
+        cost = stopping_cost(pose, candidates[i], move_s, turn_s, leg, rollout.curved, limits.forward_mps, weights)
         costs[i] = cost
         if prune and cost >= best_cost:
             continue
@@ -303,7 +321,9 @@ class DynamicWindow:
                     twist.forward_mps, twist.turn_radps, theta, on_the_spot, self.limits, self._candidates
                 )
             )
-        cos, sin = math.cos(theta), math.sin(theta)
+        # While turning, a twist's velocity over the last period is the one half a turn ago (see _command).
+        before = theta - 0.5 * twist.turn_radps * self.limits.tick_s
+        cos, sin = math.cos(before), math.sin(before)
         vx, vy = cos * twist.forward_mps - sin * twist.left_mps, sin * twist.forward_mps + cos * twist.left_mps
         dx, dy = leg.target_x_m - pose.x_m, leg.target_y_m - pose.y_m
         left_m = math.hypot(dx, dy)
@@ -311,9 +331,7 @@ class DynamicWindow:
             dx, dy, left_m = cos, sin, 1.0
         cap = self._turn_cap(left_m, math.hypot(vx, vy))
         return int(
-            omni_window(
-                vx, vy, twist.turn_radps, theta, dx / left_m, dy / left_m, cap, self.limits, self._candidates
-            )
+            omni_window(vx, vy, twist.turn_radps, theta, dx / left_m, dy / left_m, cap, self.limits, self._candidates)
         )
 
     def _turn_cap(self, left_m: float, speed_mps: float) -> float:

@@ -24,11 +24,11 @@ class DwaWeights:
     """Per radian between the heading after braking and the direction of travel."""
     clearance: float = 0.05
     """For standing where the robot's circle touches something; falls to nothing at the inflation distance."""
-    path: float = 0.5
+    path: float = 1.0
     """Per metre off the segment from start to target."""
     speed: float = 0.01
     """For standing still; nothing at full speed."""
-    overlap: float = 0.02
+    overlap: float = 0.2
     """Per outline point on a mark, when the robot seems to stand in one."""
 
 

@@ -1,7 +1,7 @@
 """The robot's outline as points, and whether it touches marked cells at a pose (§3.1.3).
 
-N points of a ring, h x w cells of the local window. A ring's points lie at most `spacing_m` apart, so a point that is
-`d` from the nearest mark clears the next `d / spacing_m` points of its ring without looking at them.
+N points of a ring, h x w cells of the local window. A ring's points lie at most a spacing apart, so a point that
+is `d` from the nearest mark clears the next `d / spacing` points of its ring without looking at them.
 """
 
 from __future__ import annotations
@@ -20,11 +20,9 @@ FloatArray = NDArray[np.float64]
 RING_SPACING_M = 0.01
 """Points of a ring lie at most this far apart; a mark's corner can reach half of it between two of them (ours)."""
 
-OUTLINE_MARGIN_M = 0.005
-"""What the outline is grown by before it is checked, because of the spacing (ours)."""
-
-INNER_INSET_M = 0.05
-"""The second ring lies this far inside: it finds a lone map pixel that no point of the outline is on (ours)."""
+RING_MARGINS_M = (0.005, -0.035, -0.075)
+"""The outline is grown a little because of the spacing; the rings inside it find a lone map pixel of 5 cm that no point
+of the outline is on (ours)."""
 
 
 class WindowGrid(NamedTuple):
@@ -36,10 +34,9 @@ class WindowGrid(NamedTuple):
 
 
 class Footprint(NamedTuple):
-    """Points [N, 2] in the robot's frame, and two radii about its axis."""
+    """Three rings of points [N, 2] in the robot's frame, the outline first, and two radii about its axis."""
 
-    outer: FloatArray
-    inner: FloatArray
+    rings: tuple[FloatArray, FloatArray, FloatArray]
     inscribed_m: float
     circumscribed_m: float
 
@@ -67,11 +64,10 @@ def ring_points(outline_m: FloatArray, spacing_m: float) -> FloatArray:
 
 def robot_footprint() -> Footprint:
     """Return the rings of the robot (config.ROBOT_FOOTPRINT_M)."""
-    outline = grown_outline(np.array(ROBOT_FOOTPRINT_M), OUTLINE_MARGIN_M)
-    outer = ring_points(outline, RING_SPACING_M)
-    inner = ring_points(grown_outline(np.array(ROBOT_FOOTPRINT_M), -INNER_INSET_M), RING_SPACING_M)
+    outline = np.array(ROBOT_FOOTPRINT_M)
+    outer, inner, innermost = (ring_points(grown_outline(outline, m), RING_SPACING_M) for m in RING_MARGINS_M)
     radii = np.linalg.norm(outer, axis=1)
-    return Footprint(outer, inner, float(radii.min()), float(radii.max()))
+    return Footprint((outer, inner, innermost), float(radii.min()), float(radii.max()))
 
 
 @compiled
@@ -113,18 +109,19 @@ def touches(
         return False
     if d + half_m < robot.inscribed_m:
         return True
-    if _ring_touches(distance_m, grid, robot.outer, x_m, y_m, cos, sin):
-        return True
-    return _ring_touches(distance_m, grid, robot.inner, x_m, y_m, cos, sin)
+    for ring in robot.rings:  # noqa: SIM110, numba compiles no any()
+        if _ring_touches(distance_m, grid, ring, x_m, y_m, cos, sin):
+            return True
+    return False
 
 
 @compiled
 def overlap(
     distance_m: FloatArray, grid: WindowGrid, robot: Footprint, x_m: float, y_m: float, cos: float, sin: float
 ) -> int:
-    """Return how many points of the two rings lie on marks: how deep the robot seems to stand in something."""
+    """Return how many points of the rings lie on marks: how deep the robot seems to stand in something."""
     found = 0
-    for ring in (robot.outer, robot.inner):
+    for ring in robot.rings:
         for i in range(ring.shape[0]):
             px, py = ring[i, 0], ring[i, 1]
             if distance_at(distance_m, grid, x_m + cos * px - sin * py, y_m + sin * px + cos * py) == 0.0:

@@ -80,9 +80,7 @@ def omni_window(
             if (a - along0) ** 2 + (c - across0) ** 2 > 1.001 * reach * reach:
                 continue
             x, y = a * dir_x - c * dir_y, a * dir_y + c * dir_x
-            share = math.hypot(
-                (cos * x + sin * y) / limits.forward_mps, (-sin * x + cos * y) / limits.sideways_mps
-            )
+            share = math.hypot((cos * x + sin * y) / limits.forward_mps, (-sin * x + cos * y) / limits.sideways_mps)
             scale = 1.0 / max(share, 1.0)
             for w in turn:
                 candidates[n, 0], candidates[n, 1], candidates[n, 2] = x * scale, y * scale, w

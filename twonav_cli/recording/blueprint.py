@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import rerun as rr
 import rerun.blueprint as rrb
+from rerun.blueprint import components as blueprint_components
 from rerun.blueprint import encodings as blueprint_encodings
 
 from twonav_cli.grid import GridFrame
@@ -14,16 +15,17 @@ from twonav_cli.recording.scenery import goal_entity
 _EDGE = rr.TimeRangeBoundary
 # Without this a plot shows only a thousand ticks around the cursor.
 WHOLE_RUN = rrb.TimeAxis(view_range=rr.TimeRange(start=_EDGE.infinite(), end=_EDGE.infinite()))
-LAST_SECONDS = rrb.TimeAxis(
-    view_range=rr.TimeRange(start=_EDGE.cursor_relative(seconds=-30), end=_EDGE.cursor_relative(seconds=10))
-)
+NEAR_CURSOR = [
+    rrb.VisibleTimeRange("sim_time", start=_EDGE.cursor_relative(seconds=-30), end=_EDGE.cursor_relative(seconds=10)),
+    rrb.VisibleTimeRange("step", start=_EDGE.cursor_relative(seq=-60), end=_EDGE.cursor_relative(seq=20)),
+]
 LEGEND = rrb.PlotLegend(corner=rrb.Corner2D.LeftTop)
 MARGIN_M = 0.3
 
 
 @dataclass(frozen=True)
 class Replay:
-    """The stretch of simulated time that a recording opens on and repeats."""
+    """The stretch of simulated time that is marked when a recording opens."""
 
     start_s: float
     end_s: float
@@ -45,7 +47,8 @@ def _plot(origin: str, name: str, *, whole: bool = True, top: float | None = Non
         origin=origin,
         name=name,
         plot_legend=LEGEND,
-        axis_x=WHOLE_RUN if whole else LAST_SECONDS,
+        axis_x=WHOLE_RUN if whole else None,
+        time_ranges=None if whole else NEAR_CURSOR,
         axis_y=rrb.ScalarAxis(range=(0.0, top)) if top is not None else None,
     )
 
@@ -63,14 +66,18 @@ def _q_view(entity: str, name: str, frame: GridFrame) -> rrb.Spatial2DView:
     return rrb.Spatial2DView(origin=origin, name=name, visual_bounds=_bounds(frame), background=[18, 18, 18])
 
 
-def _q_tab(goals: list[str], frame: GridFrame) -> rrb.Horizontal:
+def _q_grid(goals: list[str], frame: GridFrame, columns: int) -> rrb.Grid:
     every = [_q_view(goal_entity(i), goal, frame) for i, goal in enumerate(goals)]
+    return rrb.Grid(*every, grid_columns=columns, name="Q-values")
+
+
+def _q_tab(goals: list[str], frame: GridFrame) -> rrb.Horizontal:
     chosen = rrb.Vertical(
         _q_view("q/chosen/map", "Goal driven to: value of the best action, greedy action", frame),
         _plot("/metrics/q_values", "Q of the four actions where the robot believes to be", whole=False),
         row_shares=[3, 2],
     )
-    return rrb.Horizontal(chosen, rrb.Grid(*every, grid_columns=2), column_shares=[3, 4], name="Q-values")
+    return rrb.Horizontal(chosen, _q_grid(goals, frame, 2), column_shares=[3, 4], name="Q-values")
 
 
 def _learning_tab() -> rrb.Horizontal:
@@ -80,15 +87,20 @@ def _learning_tab() -> rrb.Horizontal:
         _plot("/learning/reached", "Share of the last trials that reached the goal", top=1.05),
     )
     choice = rrb.Vertical(
-        rrb.TextDocumentView(origin="/learning/choice", name="Goal chosen, and why"),
+        rrb.TextDocumentView(origin="/learning/choice", name="Goals: chosen, and why"),
         rrb.BarChartView(origin="/learning/choices", name="How often each goal was chosen (in the order above)"),
         row_shares=[3, 2],
     )
     return rrb.Horizontal(curves, choice, column_shares=[3, 1], name="Learning")
 
 
+_TRIAL_COLUMNS = ("number", "goal", "outcome", "cause", "evidence", "steps", "shortest", "start_row", "start_col")
+
+
 def _trials_tab(timeline: str) -> rrb.DataframeView:
-    query = rrb.archetypes.DataframeQuery(timeline=timeline)
+    query = rrb.archetypes.DataframeQuery(
+        timeline=timeline, select=[timeline, *(f"/trials:{name}" for name in _TRIAL_COLUMNS)]
+    )
     return rrb.DataframeView(origin="/trials", name="Trials", query=query)
 
 
@@ -107,7 +119,19 @@ def _map_view(frame: GridFrame, name: str) -> rrb.Spatial2DView:
 
 
 def _states() -> rrb.StateTimelineView:
-    return rrb.StateTimelineView(origin="/state", name="Goal, outcome and cause of every trial")
+    return rrb.StateTimelineView(origin="/state", name="Goal, outcome and cause of every trial", time_view=WHOLE_RUN)
+
+
+def _camera() -> rrb.Spatial2DView:
+    bounds = rrb.VisualBounds2D(x_range=[0, 84], y_range=[0, 84])
+    return rrb.Spatial2DView(origin="/camera", contents="$origin/rgb", name="Camera", visual_bounds=bounds)
+
+
+def _errors() -> rrb.Vertical:
+    return rrb.Vertical(
+        _plot("/metrics/position_error", "Position error [m]", whole=False),
+        _plot("/metrics/heading_error", "Heading error [deg]", whole=False),
+    )
 
 
 def drive_blueprint(goals: list[str], frame: GridFrame, replay: Replay | None) -> rrb.Blueprint:
@@ -116,41 +140,33 @@ def drive_blueprint(goals: list[str], frame: GridFrame, replay: Replay | None) -
     Args:
         goals: Names of the goals.
         frame: Where the floor plan lies.
-        replay: What to open on; None while the run goes on: then the end, so that a killed run opens on its last moment.
+        replay: What to mark; None while the run goes on. The cursor opens on the end: there every failure is
+            on the map and in the log (the layout cannot place the cursor elsewhere).
     """
-    camera = rrb.Spatial2DView(
-        origin="/camera",
-        contents="$origin/rgb",
-        name="Camera",
-        visual_bounds=rrb.VisualBounds2D(x_range=[0, 84], y_range=[0, 84]),
-    )
-    errors = rrb.Vertical(
-        _plot("/metrics/position_error", "Position error [m]", whole=False),
-        _plot("/metrics/heading_error", "Heading error [deg]", whole=False),
-    )
     left = rrb.Vertical(
         _map_view(frame, "Map: is (blue), believes (magenta), localizer (orange)"), _states(), row_shares=[7, 2]
     )
     right = rrb.Vertical(
-        rrb.Horizontal(camera, errors, column_shares=[1, 1]), _log(["trial", "sim_time"]), row_shares=[1, 1]
+        rrb.Horizontal(_camera(), _errors(), column_shares=[1, 1]), _log(["trial", "sim_time"]), row_shares=[1, 1]
     )
     drive = rrb.Horizontal(left, right, column_shares=[5, 4], name="Drive")
     near = rrb.Spatial2DView(
         origin="/drive/map/here",
-        contents=["/drive/**", "- /drive/map/goals", "- /drive/map/failures/**"],
+        contents=["/drive/**", "- /drive/map/goals/**", "- /drive/map/failures/**"],
         name="Around the robot: candidates by cost (dark is cheap, red would touch), chosen (black), cost map",
         visual_bounds=rrb.VisualBounds2D(x_range=[-1.6, 1.6], y_range=[-1.6, 1.6]),
         background=[18, 18, 18],
     )
-    controller = rrb.Horizontal(near, rrb.Vertical(camera, errors), column_shares=[3, 2], name="Controller")
+    controller = rrb.Horizontal(near, rrb.Vertical(_camera(), _errors()), column_shares=[3, 2], name="Controller")
     selection = (
-        rr.encodings.AbsoluteTimeRange(round(replay.start_s * 1e9), round(replay.end_s * 1e9)) if replay else None
+        blueprint_components.AbsoluteTimeRange(round(replay.start_s * 1e9), round(replay.end_s * 1e9))
+        if replay
+        else None
     )
     time = rrb.TimePanel(
         timeline="sim_time",
         state="collapsed",
-        play_state="playing" if replay else "following",
-        loop_mode="selection" if replay else None,
+        play_state="following",
         time_selection=selection,
     )
     tabs = rrb.Tabs(
@@ -158,7 +174,7 @@ def drive_blueprint(goals: list[str], frame: GridFrame, replay: Replay | None) -
         _q_tab(goals, frame),
         _learning_tab(),
         controller,
-        _trials_tab("sim_time"),
+        rrb.TextDocumentView(origin="/learning/trials", name="Trials"),
         _about_tab(),
         active_tab=0,
         name="twonav",
@@ -176,7 +192,7 @@ def maze_blueprint(goals: list[str], frame: GridFrame) -> rrb.Blueprint:
     )
     time = rrb.TimePanel(timeline="trial", state="collapsed", play_state="following", fps=20)
     tabs = rrb.Tabs(
-        _learning_tab(), _q_tab(goals, frame), maze, _trials_tab("trial"), _about_tab(), active_tab=0, name="twonav"
+        _learning_tab(), _q_grid(goals, frame, 4), maze, _trials_tab("trial"), _about_tab(), active_tab=0, name="twonav"
     )
     return rrb.Blueprint(tabs, *_panels(time))
 

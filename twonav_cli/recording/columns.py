@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,6 +27,7 @@ Filled = list[tuple[str, Any]]
 """Entity and its columns."""
 
 ARROW_M = 0.45
+GOAL_RING_M = 0.24
 LIDAR_FORWARD_M = 0.02
 """Where the range finder sits, forward of the axle."""
 BEAM_ANGLES_RAD = np.linspace(-math.pi / 2, math.pi / 2, 180)
@@ -62,13 +64,18 @@ class Marks(NamedTuple):
     colours: list[int]
 
 
+@lru_cache
+def _spread(count: int, most: int) -> NDArray[np.intp]:
+    """Return at most `most` indices, evenly from the first to the last of `count`."""
+    return np.linspace(0, max(count - 1, 0), min(most, count)).astype(np.intp)
+
+
 def thinned_candidates(trace: DriveTrace) -> Candidates:
     """Return at most MAX_CANDIDATES candidates, evenly over the cost order, with CANDIDATE_POSES positions each."""
     count, poses = trace.candidates.shape[:2]
-    at = np.linspace(0, poses - 1, min(CANDIDATE_POSES, poses)).astype(int)
-    order = np.argsort(trace.costs)
-    chosen = order[np.linspace(0, count - 1, min(MAX_CANDIDATES, count)).astype(int)] if count else order
-    strips = trace.candidates[chosen][:, at].astype(np.float32)
+    at = _spread(poses, CANDIDATE_POSES)
+    chosen = np.argsort(trace.costs)[_spread(count, MAX_CANDIDATES)]
+    strips = trace.candidates[chosen[:, None], at].astype(np.float32)
     best = trace.candidates[[trace.best] if trace.best >= 0 else []][:, at].astype(np.float32)
     return Candidates(strips, cost_colours(trace.costs[chosen]), best)
 
@@ -108,13 +115,14 @@ def pose_columns(values: Sequence[tuple[Pose, Pose]]) -> Filled:
     """True and believed pose of a tick: arrows, the line between them, the outline, the errors."""
     true, believed = _pose_array([v[0] for v in values]), _pose_array([v[1] for v in values])
     between = np.stack([true[:, :2], believed[:, :2]], axis=1).astype(np.float32)
+    # A row of a transform replaces all of it, so the turn to y down comes with every row.
     here = np.concatenate([true[:, :2], np.zeros((len(true), 1))], axis=1)
     return [
         ("drive/map/robot/true", _arrows(true)),
         ("drive/map/robot/believed", _arrows(believed)),
         ("drive/map/robot/error", rr.LineStrips2D.columns(strips=between)),
         ("drive/map/robot/footprint", rr.LineStrips2D.columns(strips=_outlines(true).astype(np.float32))),
-        ("drive/map/here", rr.Transform3D.columns(translation=here)),
+        ("drive/map/here", rr.Transform3D.columns(translation=here, scale=np.tile((1.0, -1.0, 1.0), (len(here), 1)))),
         *_errors("believed", true, believed),
     ]
 
@@ -188,7 +196,8 @@ def trail_columns(values: Sequence[NDArray[np.float32]]) -> Filled:
 
 def goal_columns(values: Sequence[tuple[float, float]]) -> Filled:
     """Position of the goal that is driven to."""
-    return [("drive/map/goal", rr.Points2D.columns(positions=np.array(values, dtype=np.float32)))]
+    centers = np.array(values, dtype=np.float32)
+    return [("drive/map/goal", rr.Ellipses2D.columns(centers=centers, half_sizes=np.full_like(centers, GOAL_RING_M)))]
 
 
 def mark_columns(values: Sequence[Marks]) -> Filled:
@@ -235,8 +244,14 @@ def log_columns(values: Sequence[tuple[str, str]]) -> Filled:
 
 def trial_columns(values: Sequence[dict[str, Any]]) -> Filled:
     """One machine-readable row per trial; every value has the same keys."""
-    columns = {key: [value[key] for value in values] for key in values[0]}
+    columns: dict[str, Any] = {key: [value[key] for value in values] for key in values[0]}
     return [("trials", rr.AnyValues.columns(**columns))]
+
+
+def table_columns(values: Sequence[str]) -> Filled:
+    """Tables of the last trials in Markdown."""
+    types = ["text/markdown"] * len(values)
+    return [("learning/trials", rr.TextDocument.columns(text=list(values), media_type=types))]
 
 
 COLUMNS: dict[str, Callable[[Sequence[Any]], Filled]] = {
@@ -252,11 +267,12 @@ COLUMNS: dict[str, Callable[[Sequence[Any]], Filled]] = {
     "failures": mark_columns,
     "log": log_columns,
     "trials": trial_columns,
+    "table": table_columns,
     "step/q": _scalars("metrics/q_values"),
     "step/td_error": _scalars("metrics/td_error"),
-    "state/goal": _state("state/1 goal"),
-    "state/outcome": _state("state/2 outcome"),
-    "state/cause": _state("state/3 cause"),
+    "state/goal": _state("state/goal"),
+    "state/outcome": _state("state/outcome"),
+    "state/cause": _state("state/why"),
     "learning/td_error": _scalars("learning/td_error"),
     "learning/steps": _scalars("learning/steps"),
     "learning/reached": _scalars("learning/reached"),

@@ -113,7 +113,7 @@ class DriveRows:
         marks.points.append(here)
         marks.labels.append(f"trial {event.clock.trial}: {event.cause or event.outcome}")
         marks.colours.append(CAUSE_COLOURS.get(event.cause, TOUCHED))
-        latest = Marks(*(list(column[-MAX_FAILURES:]) for column in marks))
+        latest = Marks(marks.points[-MAX_FAILURES:], marks.labels[-MAX_FAILURES:], marks.colours[-MAX_FAILURES:])
         self._file.put("failures", latest, event.clock, Detail.TRIAL)
 
 

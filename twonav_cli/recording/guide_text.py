@@ -6,7 +6,8 @@ from twonav_cli.events import RunStarted
 
 _DRIVE = """
 ## What went wrong, and why
-1. The recording opens on the last trial that failed (or on the last trial). Space pauses, the arrow keys step.
+1. The recording opens on the end of the run: every failure is on the map and in the log. The marked stretch of the time
+   line is the last failure; space plays, the arrow keys step.
 2. The lanes under the map show goal, outcome and cause of every trial; the whole trial has the colour of how it ended.
    Click into a lane to go there.
 3. The log names each failure with its **cause** and the **evidence** for it. Click a line to move the cursor.
@@ -22,7 +23,7 @@ _DRIVE = """
 | red line | the error between is and believes |
 | light blue line | way of this trial |
 | orange dots | range finder (beams beyond its cut are left out) |
-| black ring | the goal of this trial |
+| black circle | the goal of this trial |
 
 ## The other tabs
 * **Q-values**: value of the best action per cell and the greedy action, for the goal driven to and for every goal;
@@ -31,7 +32,7 @@ _DRIVE = """
   way, share of the last 20 trials that reached the goal, and why each goal was chosen.
 * **Controller**: the robot from above, always in the middle: candidate motions (dark is cheap, red would touch), the
   chosen one in black, and the local cost map. Candidates and cost map lie where the controller believes they lie.
-* **Trials**: one row per trial, also for programs (`/trials`).
+* **Trials**: the last trials as a table; for programs every one is a row of `/trials`.
 """
 
 _MAZE = """

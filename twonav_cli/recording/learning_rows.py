@@ -6,7 +6,7 @@ trials, then four, and so on, so that the file grows with the logarithm of the r
 
 from __future__ import annotations
 
-from collections import Counter, deque
+from collections import deque
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,11 @@ BATCH_TRIALS = 1000
 SHARE_TRIALS = 20
 """Trials over which the share of successes is taken."""
 SMALLEST_ERROR = 1e-4
+TABLE_TRIALS = 30
+"""Trials in the table of the "Trials" tab."""
+TABLE_HEAD = (
+    "| trial | from | goal | outcome | actions | shortest | cause | evidence | sim_time |\n" + "|---" * 9 + "|\n"
+)
 
 
 def log10_error(td_errors: FloatArray) -> FloatArray:
@@ -62,9 +67,10 @@ class LearningRows:
     def __init__(self, file: RrdFile, maze: Maze) -> None:
         self._file = file
         self._maze = maze
-        self._choices = {name: 0 for name in maze.goals}
+        self._choices = dict.fromkeys(maze.goals, 0)
         self._recent: deque[bool] = deque(maxlen=SHARE_TRIALS)
         self._start = TrialStarted(Clock(), "", next(iter(maze.starts.values()), maze.free_cells[0]))
+        self._table: deque[str] = deque(maxlen=TABLE_TRIALS)
         self._waiting: list[TrialBatch] = []
         self._rows = 0
         self._trials = 0
@@ -108,6 +114,8 @@ class LearningRows:
         put("learning/steps", (event.steps, event.shortest), clock, Detail.TRIAL)
         put("learning/reached", sum(self._recent) / len(self._recent), clock, Detail.TRIAL)
         put("log", trial_sentence(event), clock, Detail.TRIAL)
+        self._table.appendleft(table_row(event, start))
+        put("table", TABLE_HEAD + "\n".join(self._table), clock, Detail.TRIAL)
 
     def goal_learned(self, event: GoalLearned) -> None:
         """Write that a goal met the criterion."""
@@ -143,7 +151,7 @@ class LearningRows:
         starts = [cells[i] for i in batch.start[last]]
         first_steps = batch.last_step[last] - batch.steps[last]
         return {
-            "trial": [clock.trial for clock in clocks],
+            "number": [clock.trial for clock in clocks],
             "goal": [goals[i] for i in batch.goal[last]],
             "start_row": [cell.row for cell in starts],
             "start_col": [cell.col for cell in starts],
@@ -164,17 +172,33 @@ class LearningRows:
         for row, weights in enumerate((batch.reached, ~batch.reached, batch.steps, batch.shortest)):
             counts = np.bincount(batch.goal, weights=weights.astype(np.float64), minlength=goals)
             self._totals[row] += counts.astype(np.int64)
-        self._file.now("totals", rr.AnyValues(**dict(zip(TOTALS, self._totals.copy(), strict=True))), clock)
+        sums: dict[str, Any] = dict(zip(TOTALS, self._totals.copy(), strict=True))
+        self._file.now("totals", rr.AnyValues(**sums), clock)
+        chosen = self._totals[0] + self._totals[1]
+        self._file.now("learning/choices", rr.BarChart(chosen, abscissa=np.arange(goals)), clock)
+        text = totals_text(self._maze.goal_names, self._totals)
+        self._file.now("learning/choice", rr.TextDocument(text, media_type="text/markdown"), clock)
 
 
 TOTALS = ("reached", "failed", "steps", "shortest")
 """Sums per goal [G] over all compiled trials so far, whether their rows were kept or not."""
 
 
+def totals_text(goals: list[str], totals: NDArray[np.int64]) -> str:
+    """Return the sums [4, G] as a table in Markdown."""
+    rows = []
+    for index, goal in enumerate(goals):
+        reached, failed, steps, shortest = (int(total) for total in totals[:, index])
+        trials = max(reached + failed, 1)
+        rows.append(f"| {index} | {goal} | {reached} | {failed} | {steps / trials:.1f} | {shortest / trials:.1f} |")
+    head = "|  | goal | reached | not | mean actions | mean shortest |\n|---|---|---|---|---|---|\n"
+    return "## All trials so far\n" + head + "\n".join(rows)
+
+
 def trial_row(event: TrialEnded, start: Clock) -> dict[str, Any]:
     """Return the machine-readable row of a trial."""
     return {
-        "trial": event.clock.trial,
+        "number": event.clock.trial,
         "goal": event.goal,
         "start_row": event.start.row,
         "start_col": event.start.col,
@@ -191,6 +215,24 @@ def trial_row(event: TrialEnded, start: Clock) -> dict[str, Any]:
     }
 
 
+def table_row(event: TrialEnded, start: Clock) -> str:
+    """Return the row of a trial in the table of the "Trials" tab."""
+    outcome = event.outcome if event.outcome == "reached" else f"**{event.outcome}**"
+    when = f"+{start.time_s:.1f} s to +{event.clock.time_s:.1f} s"
+    fields = (
+        event.clock.trial,
+        tuple(event.start),
+        event.goal,
+        outcome,
+        event.steps,
+        event.shortest,
+        event.cause,
+        event.evidence.replace("|", "/"),
+        when,
+    )
+    return "| " + " | ".join(str(field) for field in fields) + " |"
+
+
 def trial_sentence(event: TrialEnded) -> tuple[str, str]:
     """Return level and sentence for the log: what happened, the cause, the evidence."""
     level = {"reached": "INFO", "time-out": "WARN"}.get(event.outcome, "ERROR")
@@ -200,8 +242,3 @@ def trial_sentence(event: TrialEnded) -> tuple[str, str]:
     cause = f". Cause: {event.cause}" if event.cause else ""
     evidence = f". Evidence: {event.evidence}" if event.evidence else ""
     return level, text + cause + evidence
-
-
-def outcome_counts(outcomes: list[str]) -> dict[str, int]:
-    """Return how often each outcome occurred, the most frequent first."""
-    return dict(Counter(outcomes).most_common())

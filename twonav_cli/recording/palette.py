@@ -64,19 +64,25 @@ def goal_colours(count: int) -> UintArray:
     return packed([GOAL_COLOURS[i % len(GOAL_COLOURS)] for i in range(count)])
 
 
-def _viridis(share: NDArray[np.float64]) -> NDArray[np.float64]:
-    at = np.linspace(0.0, 1.0, len(VIRIDIS_ANCHORS))
-    return np.stack([np.interp(share, at, VIRIDIS_ANCHORS[:, channel]) for channel in range(3)], axis=-1)
+def _viridis_table() -> UintArray:
+    """Return 256 colours from dark to bright."""
+    share, at = np.linspace(0.0, 1.0, 256), np.linspace(0.0, 1.0, len(VIRIDIS_ANCHORS))
+    red, green, blue = (np.interp(share, at, channel).round().astype(np.uint32) for channel in VIRIDIS_ANCHORS.T)
+    return np.asarray((red << 24) | (green << 16) | (blue << 8) | np.uint32(0xFF), dtype=np.uint32)
+
+
+VIRIDIS = _viridis_table()
 
 
 def cost_colours(costs: NDArray[np.float32]) -> UintArray:
     """Return a colour per candidate [N]: dark where cheap, bright where dear, red where it would touch something."""
     finite = np.isfinite(costs)
-    low, high = (costs[finite].min(), costs[finite].max()) if finite.any() else (0.0, 1.0)
-    share = np.where(finite, (np.where(finite, costs, low) - low) / max(high - low, 1e-9), 0.0)
-    red, green, blue = np.round(_viridis(share.astype(np.float64))).astype(np.uint32).T
-    colours = (red << 24) | (green << 16) | (blue << 8) | np.uint32(0xFF)
-    return np.where(finite, colours, np.uint32(TOUCHING_COLOUR)).astype(np.uint32)
+    colours = np.full(costs.shape, TOUCHING_COLOUR, dtype=np.uint32)
+    if finite.any():
+        kept = costs[finite]
+        low = kept.min()
+        colours[finite] = VIRIDIS[((kept - low) * (255.0 / max(float(kept.max() - low), 1e-9))).astype(np.intp)]
+    return colours
 
 
 def cost_level_colours() -> list[tuple[int, int, int, int]]:

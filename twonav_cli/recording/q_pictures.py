@@ -1,4 +1,7 @@
-"""Pictures of the Q-table: value of the best action and greedy action per cell. G goals, R rows, C columns, F free cells."""
+"""Pictures of the Q-table: value of the best action and greedy action per cell.
+
+R rows, C columns, A actions, F free cells.
+"""
 
 from __future__ import annotations
 
@@ -85,6 +88,7 @@ class QPictures:
         value = np.where(self._maze.blocked, np.nan, q.max(axis=-1)).astype(np.float16)
         greedy = q[self._cells[:, 0], self._cells[:, 1]].argmax(axis=-1)
         vectors = self._directions[greedy]
+        vectors[np.ptp(q[self._cells[:, 0], self._cells[:, 1]], axis=-1) == 0] = 0.0  # nothing learned, no arrow
         count = [len(vectors)]
         arrows = [
             *rr.Arrows2D.columns(origins=(self._centres - vectors / 2).astype(np.float32)).partition(count),

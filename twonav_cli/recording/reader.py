@@ -21,7 +21,8 @@ MAGIC = b"RRF2"
 class TrialRow:
     """One trial as recorded."""
 
-    trial: int
+    number: int
+    """Number of the trial."""
     goal: str
     start_row: int
     start_col: int
@@ -78,7 +79,7 @@ def how_to_seek(row: TrialRow, kind: str) -> str:
     """Return the sentence that says where in the viewer a trial is."""
     if kind == "3d":
         return f"timeline sim_time, +{row.start_s:.1f} s to +{row.end_s:.1f} s"
-    return f"timeline trial, #{row.trial} (step #{row.first_step} to #{row.last_step})"
+    return f"timeline trial, #{row.number} (step #{row.first_step} to #{row.last_step})"
 
 
 def summarize(path: Path) -> Summary:
@@ -158,8 +159,8 @@ def _properties(chunks: dict[str, list[Any]]) -> dict[str, Any]:
 
 def _trial_rows(batches: list[Any]) -> tuple[TrialRow, ...]:
     names = [field.name for field in fields(TrialRow)]
-    rows = [TrialRow(**{name: row[name] for name in names}) for row in _rows(batches) if "trial" in row]
-    return tuple(sorted(rows, key=lambda row: row.trial))
+    rows = [TrialRow(**{name: row[name] for name in names}) for row in _rows(batches) if "number" in row]
+    return tuple(sorted(rows, key=lambda row: row.number))
 
 
 def _counts(

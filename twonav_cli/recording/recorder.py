@@ -31,10 +31,10 @@ APPLICATION_IDS = {"maze": "twonav_maze", "3d": "twonav_mujoco", "localizer": "t
 """Stage to application id: one id, one layout, for the viewer keeps the layout of the first file of an id."""
 
 FORMAT = 1
-STEPS_PER_SHIPMENT = 25
+STEPS_PER_SHIPMENT = 50
 """Actions after which a trial that is kept anyway is written, so that a killed game loses little."""
 REPLAY_S = 8.0
-"""A recording opens on this many seconds before its last failure."""
+"""A recording marks this many seconds before its last failure."""
 
 
 class Recorder:
@@ -95,7 +95,7 @@ class Recorder:
         self.close()
 
     def close(self) -> None:
-        """Write what is buffered, the layout that opens on the last failure, and the footer."""
+        """Write what is buffered, the layout that marks the last failure, and the footer."""
         if self._closed:
             return
         self._closed = True
@@ -170,7 +170,8 @@ class Recorder:
 
     def _step_taken(self, event: events.StepTaken) -> None:
         self._actions += 1
-        if self._rule.every_trial and self._actions % STEPS_PER_SHIPMENT == 0:
+        if self._rule.every_trial and self._actions >= STEPS_PER_SHIPMENT:
+            self._actions = 0
             self._file.ship(self._rule.level(self._trials, False, self._file.size_bytes))
 
     def _trial_ended(self, event: events.TrialEnded) -> None:
@@ -180,10 +181,11 @@ class Recorder:
         if self._trial is not None and level == Detail.FULL:
             self._remember_replay(self._trial, event.clock, failed=failed)
         self._trial = None
+        self._actions = 0
         self._file.ship(level)
 
     def _remember_replay(self, start: Clock, end: Clock, *, failed: bool) -> None:
-        """Keep the stretch that the recording opens on: of the last failure, else of the last trial."""
+        """Keep the stretch that the recording marks: of the last failure, else of the last trial."""
         if (self._replays_failure and not failed) or end.time_s <= start.time_s:
             return
         self._replays_failure = failed

@@ -53,12 +53,12 @@ def wall_edges(blocked: NDArray[np.bool_], frame: GridFrame) -> NDArray[np.float
     segments = [((c, r), (c + 1, r)) for r, c in across] + [((c, r), (c, r + 1)) for r, c in along]
     corner = np.array((frame.x_min_m, frame.y_max_m))
     scale = np.array((frame.resolution_m, -frame.resolution_m))
-    return (np.array(segments, dtype=np.float64).reshape(-1, 2, 2) * scale + corner).astype(np.float32)
+    return np.asarray(np.array(segments).reshape(-1, 2, 2) * scale + corner, dtype=np.float32)
 
 
 def write_floor(always: Always, maze: Maze, frame: GridFrame, occupied: Any, map_frame: GridFrame | None) -> None:
     """Write the map (or the maze where there is no map), the outline of the maze and the named goals."""
-    always("/", rr.AnnotationContext([(0, "free", FREE_RGB), (1, "occupied", WALL_RGB)]))
+    always("drive", rr.AnnotationContext([(0, "free", FREE_RGB), (1, "occupied", WALL_RGB)]))
     always("drive/map", Y_UP)
     pixels, pixel_frame = (maze.blocked, frame) if occupied is None or map_frame is None else (occupied, map_frame)
     floor = rr.SegmentationImage(pixels.astype(np.uint8), draw_order=-10.0)
@@ -67,20 +67,22 @@ def write_floor(always: Always, maze: Maze, frame: GridFrame, occupied: Any, map
     always("drive/map/cells", edges)
     always(
         "drive/map/goals",
-        rr.Points2D(
-            goal_points(maze, frame),
-            labels=maze.goal_names,
-            show_labels=True,
-            colors=palette.goal_colours(len(maze.goals)),
-            radii=0.11,
-            draw_order=20,
-        ),
+        rr.Points2D(goal_points(maze, frame), colors=palette.goal_colours(len(maze.goals)), radii=0.12, draw_order=20),
     )
+    # A label has the colour of its point: white ones are read on every goal.
+    names = rr.Points2D(
+        goal_points(maze, frame),
+        labels=maze.goal_names,
+        show_labels=True,
+        colors=[(255, 255, 255)],
+        radii=0.03,
+        draw_order=21,
+    )
+    always("drive/map/goals/names", names)
 
 
 def write_q_scenery(always: Always, maze: Maze, frame: GridFrame) -> None:
     """Write frame, goal and looks of every Q picture (`q/goal_00` ... and `q/chosen`)."""
-    free = np.array([frame.centre_of(cell) for cell in maze.free_cells])
     points = goal_points(maze, frame)
     value = rr.DepthImage.from_fields(
         format=rr.components.ImageFormat(width=maze.cols, height=maze.rows, channel_datatype="F16"),
@@ -97,7 +99,6 @@ def write_q_scenery(always: Always, maze: Maze, frame: GridFrame) -> None:
             colour = palette.goal_colours(len(maze.goals))[index : index + 1]
             always(f"{entity}/goal", rr.Points2D(points[index : index + 1], radii=0.3, colors=colour, draw_order=9))
     always("q/chosen/map/goal", rr.Points2D.from_fields(radii=0.3, colors=[255, 255, 255], draw_order=9.0))
-    always("q/cells", rr.Points2D(free, radii=0.01))
 
 
 def write_looks(always: Always, maze: Maze) -> None:
@@ -112,10 +113,10 @@ def write_looks(always: Always, maze: Maze) -> None:
     lines = rr.SeriesLines(names=names, colors=goals, widths=[1.6] * len(names))
     always("learning/td_error", lines)
     always("metrics/td_error", lines)
-    always("state/1 goal", rr.StateConfiguration(values=names, colors=goals))
+    always("state/goal", rr.StateConfiguration(values=names, colors=goals))
     outcomes, causes = palette.OUTCOME_COLOURS, palette.CAUSE_COLOURS
-    always("state/2 outcome", rr.StateConfiguration(values=list(outcomes), colors=packed(list(outcomes.values()))))
-    always("state/3 cause", rr.StateConfiguration(values=list(causes), colors=packed(list(causes.values()))))
+    always("state/outcome", rr.StateConfiguration(values=list(outcomes), colors=packed(list(outcomes.values()))))
+    always("state/why", rr.StateConfiguration(values=list(causes), colors=packed(list(causes.values()))))
 
 
 def _line(name: str, colour: int) -> rr.SeriesLines:
@@ -149,11 +150,12 @@ _LOOKS: dict[str, Any] = {
     "drive/map/robot/trail": _strip(palette.TRAIL_COLOUR, 0.02, 10.0),
     "drive/map/robot/cell": rr.Points2D.from_fields(colors=packed([palette.TRUE_COLOUR]), radii=0.15, draw_order=34.0),
     "drive/map/scan": rr.Points2D.from_fields(colors=packed([palette.LASER_COLOUR]), radii=0.02, draw_order=15.0),
-    "drive/map/goal": rr.Points2D.from_fields(colors=packed([palette.CHOSEN_COLOUR]), radii=0.19, draw_order=19.0),
+    "drive/map/goal": rr.Ellipses2D.from_fields(
+        line_radii=0.03, colors=packed([palette.CHOSEN_COLOUR]), draw_order=19.0
+    ),
     "drive/map/dwa/candidates": rr.LineStrips2D.from_fields(radii=0.008, draw_order=25.0),
     "drive/map/dwa/best": _strip(palette.CHOSEN_COLOUR, 0.016, 26.0),
     "drive/map/dwa/cost": rr.SegmentationImage.from_fields(opacity=0.55, draw_order=2.0),
-    "drive/map/here": rr.Transform3D.from_fields(scale=[1.0, -1.0, 1.0]),
     "drive/map/failures/all": rr.Points2D.from_fields(radii=0.09, draw_order=21.0),
     "drive/map/failures/latest": rr.Points2D.from_fields(radii=0.12, draw_order=22.0, show_labels=True),
     "drive/map/kidnaps": _strip(palette.ERROR_COLOUR, 0.03, 12.0),

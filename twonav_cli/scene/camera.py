@@ -48,9 +48,11 @@ class Camera:
 
     def image(self) -> NDArray[np.uint8]:
         """Return what the camera sees now, [84, 84, 3] RGB, row 0 at the top."""
-        model = self._world.model
+        model, data = self._world.model, self._world.data
         model.geom_group[:] = np.where(self._in_view(), self._groups, HIDDEN_GROUP)
-        self._renderer.update_scene(self._world.data, self._view, self._option)
+        # MuJoCo places the headlight where the camera was in the picture before, unless the camera is moved first.
+        mujoco.mjv_updateCamera(model, data, self._view, self._renderer.scene)
+        self._renderer.update_scene(data, self._view, self._option)
         model.geom_group[:] = self._groups
         return np.asarray(self._renderer.render(), dtype=np.uint8)
 
@@ -84,6 +86,7 @@ def top_view(world: World, height_px: int = 960) -> NDArray[np.uint8]:
     try:
         model.vis.global_.fovy = frame.y_max_m - frame.y_min_m  # of an orthographic camera: the height that is seen
         model.geom_group[:] = np.where(lowest_m > ROOF_CUT_M, HIDDEN_GROUP, groups)
+        mujoco.mjv_updateCamera(model, world.data, view, renderer.scene)
         renderer.update_scene(world.data, view, _shown())
         return np.asarray(renderer.render(), dtype=np.uint8)
     finally:

@@ -87,8 +87,10 @@ def scene_path(name_or_path: str) -> Path:
     if path.is_file():
         return path
     if path.suffix.lower() in (".xml", ".mjcf") or len(path.parts) > 1:
-        raise TwonavError(f"there is no scene at {path}: name an MJCF file, a folder with {SCENE_FILE}, or one of "
-                          f"{', '.join(scene_names())}")
+        raise TwonavError(
+            f"there is no scene at {path}: name an MJCF file, a folder with {SCENE_FILE}, or one of "
+            f"{', '.join(scene_names())}"
+        )
     raise unknown_name("scene", name_or_path, scene_names())
 
 

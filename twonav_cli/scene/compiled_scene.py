@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from twonav_cli.config import MAZE_RESOLUTION_M, ROBOT_HEIGHT_M
 from twonav_cli.errors import TwonavError
 from twonav_cli.geometry import Pose
+from twonav_cli.scene.catalog import MAP_NUMERIC
 from twonav_cli.scene.engine import mujoco
 
-MAP_NUMERIC = "twonav.map"
 MAX_EXTENT_M = 200.0
 """A map of 5 cm pixels over more than this would not fit into memory with everything that is made from it."""
 
@@ -84,7 +84,9 @@ class CompiledScene:
         for what, values in named.items():
             numbers = np.asarray(values)
             if not (np.isfinite(numbers) & (np.abs(numbers) < 1e6)).all():
-                raise TwonavError(f"{self.path} holds a {what} that is not a finite number (NaN, inf or huge): correct it")
+                raise TwonavError(
+                    f"{self.path} holds a {what} that is not a finite number (NaN, inf or huge): correct it"
+                )
 
     def poses(self, prefix: str) -> dict[str, Place]:
         """Return the sites whose name starts with `prefix`: the name's rest to its pose.
@@ -174,7 +176,8 @@ class CompiledScene:
         half = np.einsum("gij,gj->gi", np.abs(rotation), local[:, 3:])
         lower = np.floor((middle - half).min(axis=0) / MAZE_RESOLUTION_M + 1e-6) * MAZE_RESOLUTION_M
         upper = np.ceil((middle + half).max(axis=0) / MAZE_RESOLUTION_M - 1e-6) * MAZE_RESOLUTION_M
-        return float(lower[0]), float(lower[1]), float(upper[0]), float(upper[1])
+        x_min, y_min, x_max, y_max = (round(float(edge), 6) for edge in (*lower[:2], *upper[:2]))
+        return x_min, y_min, x_max, y_max
 
     def floor_z_m(self, places: Iterable[Place]) -> float:
         """Return the height of the floor: what most places stand on, seen by a ray downward.

@@ -60,7 +60,7 @@ def xml_parts(xml_path: Path) -> Iterator[XmlPart]:
     Raises:
         TwonavError: As `digest_of_scene`.
     """
-    waiting = [(xml_path, (xml_path.resolve(),))]
+    waiting: list[tuple[Path, tuple[Path, ...]]] = [(xml_path, (xml_path.resolve(),))]
     while waiting:
         path, chain = waiting.pop(0)
         part = XmlPart(path, _parsed(path), chain)
@@ -85,12 +85,16 @@ def _parsed(path: Path) -> ET.Element:
     if not path.is_file():
         raise TwonavError(f"{path} is missing: restore the file or correct its name in the scene")
     if path.stat().st_size > MAX_XML_BYTES:
-        raise TwonavError(f"{path} is too large ({path.stat().st_size // 1_000_000} MB): keep meshes in files of their own")
+        raise TwonavError(
+            f"{path} is too large ({path.stat().st_size // 1_000_000} MB): keep meshes in files of their own"
+        )
     try:
         return ET.fromstring(path.read_bytes())
     except ET.ParseError as error:
         line = error.position[0]
-        raise TwonavError(f"{path} is not well-formed XML, line {line}: {str(error).split(':')[0]}; correct that line") from error
+        raise TwonavError(
+            f"{path} is not well-formed XML, line {line}: {str(error).split(':')[0]}; correct that line"
+        ) from error
     except (OSError, ValueError, LookupError) as error:
         raise TwonavError(f"{path} cannot be read: {error}") from error
 
@@ -137,21 +141,29 @@ def _refuse_copies(part: XmlPart, element: ET.Element, copies: float) -> None:
 
 def _files_named(part: XmlPart, top: XmlPart) -> Iterator[Path]:
     """Yield the texture, mesh and height field files that an XML names; each is checked."""
-    attached = any(part.chain[:-1]) and part.root.tag == "mujoco"
-    compiler = part.root.find("compiler")
-    if compiler is None and not attached:
-        compiler = top.root.find("compiler")
-    folders = dict(compiler.attrib) if compiler is not None else {}
-    start = part.path.parent if attached else top.path.parent
     for element in part.root.iter():
         if element.tag in ("include", "model", "plugin"):
             continue
-        kind = "meshdir" if element.tag in MESH_TAGS else "texturedir"
-        folder = folders.get(kind) or folders.get("assetdir") or ""
         for key in ("file", *SIDES):
             named = element.get(key)
             if named:
-                yield _checked(start / folder / named, part.path, element.tag)
+                places = [folder / named for folder in _folders(part, top, element.tag)]
+                found = next((place for place in places if place.is_file()), places[0])
+                yield _checked(found, part.path, element.tag)
+
+
+def _folders(part: XmlPart, top: XmlPart, tag: str) -> Iterator[Path]:
+    """Yield the folders that a file may lie in, the likeliest first: the compiler's, then the XML's own."""
+    kinds = ("meshdir", "assetdir", "texturedir") if tag in MESH_TAGS else ("texturedir", "assetdir", "meshdir")
+    for xml in (part, top):
+        compiler = xml.root.find("compiler")
+        for kind in kinds:
+            folder = compiler.get(kind) if compiler is not None else None
+            if folder:
+                yield top.path.parent / folder
+                yield xml.path.parent / folder
+    yield part.path.parent
+    yield top.path.parent
 
 
 def _checked(path: Path, xml_path: Path, tag: str) -> Path:
@@ -163,7 +175,9 @@ def _checked(path: Path, xml_path: Path, tag: str) -> Path:
     if start.startswith(PNG_START) and len(start) == 24:
         width, height = struct.unpack(">II", start[16:24])
         if max(width, height) > MAX_TEXTURE_PX:
-            raise TwonavError(f"{path} is too large: {width} x {height} pixels, at most {MAX_TEXTURE_PX}; scale it down")
+            raise TwonavError(
+                f"{path} is too large: {width} x {height} pixels, at most {MAX_TEXTURE_PX}; scale it down"
+            )
     return path
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from twonav_cli.config import OBSTACLE_FLOOR_M
 from twonav_cli.errors import TwonavError
 from twonav_cli.geometry import Pose, Twist, wrap_angle
+from twonav_cli.scene.compiled_scene import LOAD_ERRORS, one_line
 from twonav_cli.scene.engine import mujoco
 from twonav_cli.scene.robot import PLANE_AXES, PREFIX, TRACK_M, WHEEL_RADIUS_M, robot_spec
 
@@ -27,8 +28,6 @@ NEAR_M = 0.02
 """Nothing nearer to the camera is drawn; 9 cm lie between the lens and the robot's front."""
 
 FAR_M = 100.0
-LOAD_ERRORS = (ValueError, RuntimeError, mujoco.FatalError, UnicodeError)
-"""What MuJoCo raises when a scene is not to its liking."""
 
 
 def compile_with_robot(scene: Scene, base: str) -> Any:
@@ -47,8 +46,8 @@ def compile_with_robot(scene: Scene, base: str) -> Any:
         _set_options(spec)
         model = spec.compile()
     except LOAD_ERRORS as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise TwonavError(f"{scene.xml_path} cannot be loaded with the robot in it: {reason}") from error
+        raise TwonavError(f"{scene.xml_path} cannot be loaded with the robot in it: {one_line(error)}") from error
+    model.geom_margin[:] = 0.0  # a margin of the scene's floor would lift the robot by it
     model.vis.map.znear = NEAR_M / model.stat.extent
     model.vis.map.zfar = FAR_M / model.stat.extent
     return model

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from rich.text import Text
@@ -12,9 +11,10 @@ from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell
 from twonav_cli.maze import Action
 from twonav_cli.terminal import palette
+from twonav_cli.terminal.floor_plan import Plan, goal_key, plan_of_map, plan_of_maze
 from twonav_cli.terminal.game import GameState, headline, pose_error, tally
+from twonav_cli.terminal.keys import Controls
 from twonav_cli.terminal.palette import hexadecimal, viridis
-from twonav_cli.terminal.plan import Plan, goal_key, plan_of_map, plan_of_maze
 from twonav_cli.terminal.plan_drawing import Marks
 
 ARROWS = "↑↓←→"
@@ -27,17 +27,6 @@ GOAL = hexadecimal(palette.CURRENT_GOAL)
 ALARM = hexadecimal(palette.ALARM)
 LOST_M = 0.45
 """Error from which the robot counts as lost (Fox, Burgard, Thrun 1999)."""
-
-
-@dataclass(frozen=True)
-class Controls:
-    """What the player has set."""
-
-    paused: bool = False
-    speed: float | None = None
-    """Factor that was asked for, None before."""
-    driving: bool = False
-    """The player moves the robot by hand."""
 
 
 def plan_of_game(state: GameState) -> Plan | None:
@@ -71,7 +60,7 @@ def q_text(state: GameState, cols: int) -> Text:
     if state.q_values is None:
         return Text("no action yet", style=QUIET)
     q = state.q_values
-    bar_cols = max(cols - 17, 4)
+    bar_cols = max(cols - 18, 3)
     low, high = min(float(q.min()), 0.0), max(float(q.max()), 1e-9)
     lines = []
     for action in Action:
@@ -79,12 +68,17 @@ def q_text(state: GameState, cols: int) -> Text:
         best = q[action] == q.max()
         label = "bold" if action == state.action else QUIET
         colour = hexadecimal(tuple(int(c) for c in viridis(np.array([share]))[0]))  # type: ignore[arg-type]  # 3 long
-        line = Text.assemble((f"{ARROWS[action]} {action.name.lower():<5}", label))
+        line = Text.assemble((f"{ARROWS[action]} {action.name.lower():<5} ", label))
         line.append(bar(share, bar_cols), colour)
         line.append(f"{q[action]:7.2f}", "bold" if best else QUIET)
         line.append(" ◀" if best else "  ", GOAL)
         lines.append(line)
     return Text("\n").join(lines)
+
+
+def values_text(state: GameState, cols: int) -> Text:
+    """Return the Q-values of the four actions, and below them the TD error."""
+    return Text("\n").join([q_text(state, cols), td_text(state, cols)])
 
 
 def bar(share: float, cols: int) -> str:
@@ -109,33 +103,32 @@ def td_text(state: GameState, cols: int) -> Text:
 def pose_text(state: GameState) -> Text:
     """Return both poses, the error between them, and both cells."""
     lines = [
-        Text.assemble(("true     ", TRUE), _pose(state.pose_true)),
-        Text.assemble(("believed ", ESTIMATE), _pose(state.pose_estimate)),
+        Text.assemble(("true   ", TRUE), _pose(state.pose_true)),
+        Text.assemble(("belief ", ESTIMATE), _pose(state.pose_estimate)),
     ]
     error = pose_error(state)
     if error is not None:
-        style = f"bold {ALARM}" if error[0] >= LOST_M else "bold"
+        lost = error[0] >= LOST_M
+        style = f"bold {ALARM}" if lost else "bold"
         sentence = f"{error[0] * 100:.1f} cm, {math.degrees(error[1]):.1f}°"
-        lines.append(
-            Text.assemble(("error    ", QUIET), (sentence, style), (" lost" if error[0] >= LOST_M else "", style))
-        )
-    lines.append(Text.assemble(("cell     ", QUIET), _cells(state.cell_true, state.cell_believed)))
+        lines.append(Text.assemble(("error  ", QUIET), (sentence + " lost" * lost, style)))
+    lines.append(Text.assemble(("cell   ", QUIET), _cells(state.cell_true, state.cell_believed)))
     outcome = state.action_outcome + ("" if state.action_greedy else ", exploring")
-    lines.append(Text.assemble(("action   ", QUIET), outcome or "-"))
+    lines.append(Text.assemble(("action ", QUIET), outcome or "-"))
     return Text("\n").join(lines)
 
 
 def _pose(pose: Pose | None) -> str:
-    return f"{pose.x_m:6.2f} {pose.y_m:5.2f} m {math.degrees(pose.theta_rad) % 360:4.0f}°" if pose else "-"
+    return f"{pose.x_m:5.2f} {pose.y_m:5.2f} m {math.degrees(pose.theta_rad) % 360:3.0f}°" if pose else "-"
 
 
 def _cells(true: Cell | None, believed: Cell | None) -> Text:
-    """Return the true cell, and the believed one when it is another."""
+    """Return the true cell, and the believed one when that is wrong."""
     if true is None:
         return Text("-")
     text = Text(f"({true.row}, {true.col})")
     if believed is not None and believed != true:
-        text.append(f" believed ({believed.row}, {believed.col})", ALARM)
+        text.append(f" not ({believed.row}, {believed.col})", ALARM)
     return text
 
 
@@ -161,7 +154,7 @@ def _goal(state: GameState, at: int, name: str, width: int, wide: bool) -> Text:
     room = width - 4 - len(error)
     mark = "✓" if name in state.learned else " "
     short = name if len(name) <= room else name[: room - 1] + "…"
-    key = Text(f"{goal_key(at) or '·'} ", style=style or QUIET)
+    key = Text().append(f"{goal_key(at) or '·'} ", style or QUIET)
     return key.append(short.ljust(room), style).append(f"{mark}", GOAL).append(error, QUIET).append(" ")
 
 
@@ -178,7 +171,7 @@ def status_text(state: GameState, controls: Controls, title: str, cols: int) -> 
     right = [title, tally(state)] if state.outcomes else [title]
     right.append(f"{state.clock.time_s:.1f} s")
     if controls.speed is not None:
-        right.append(f"x{controls.speed:g}")
+        right.append(f"x{controls.speed:g}" if controls.speed > 0 else "no speed limit")
     if state.ended:
         right.append("ended")
     elif controls.paused:
@@ -192,20 +185,21 @@ def status_text(state: GameState, controls: Controls, title: str, cols: int) -> 
 
 def hint_text(state: GameState, controls: Controls, cols: int) -> Text:
     """Return what the keys do now, as many of them as fit."""
+    leave = [("?", "help"), ("q", "leave")]
     pairs = [("g", "goal"), ("1-9", "pick"), ("k", "kidnap"), ("space", "go on" if controls.paused else "pause")]
-    pairs += [(".", "step"), ("+ -", "speed"), ("arrows", "drive"), ("tab", "panels"), ("?", "help"), ("q", "leave")]
+    pairs += [(".", "step"), ("+ -", "speed"), ("arrows", "drive"), ("tab", "panels")]
     if controls.driving:
-        pairs = [
-            ("arrows hjkl wasd", "you drive"),
-            ("esc", "hand back"),
-            ("K", "kidnap"),
-            ("?", "help"),
-            ("q", "leave"),
-        ]
+        pairs = [("arrows hjkl wasd", "you drive"), ("esc", "hand back"), ("K", "kidnap")]
     elif state.ended:
-        pairs = [("tab", "panels"), ("?", "help"), ("q", "leave")]
+        pairs = [("tab", "panels")]
+    while pairs and sum(len(key) + len(meaning) + 3 for key, meaning in pairs + leave) > cols:
+        pairs.pop()
     text = Text(" ")
-    for key, meaning in pairs:
-        if len(text) + len(key) + len(meaning) + 3 <= cols:
-            text.append(key, f"bold {TRUE}").append(f" {meaning}  ", QUIET)
+    for key, meaning in pairs + leave:
+        text.append(key, f"bold {TRUE}").append(f" {meaning}  ", QUIET)
     return text
+
+
+def notice_text(text: str, bad: bool, cols: int) -> Text:
+    """Return an answer of the prompt as one line; an error stands out."""
+    return Text(f" {text}"[:cols], style=f"bold {ALARM}" if bad else "bold")

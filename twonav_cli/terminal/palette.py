@@ -24,9 +24,8 @@ ALARM: Rgb = (255, 123, 84)
 
 VIRIDIS: NDArray[np.float64] = np.array(
     [
-        (72, 40, 120),
-        (62, 74, 137),
-        (49, 104, 142),
+        (78, 92, 168),
+        (64, 112, 160),
         (38, 130, 142),
         (31, 158, 137),
         (53, 183, 121),
@@ -36,7 +35,7 @@ VIRIDIS: NDArray[np.float64] = np.array(
     ],
     dtype=np.float64,
 )
-"""Matplotlib's viridis at ninths; the darkest end is left out because it vanishes on a dark terminal."""
+"""Matplotlib's viridis from a quarter up, its lowest two lightened: the dark end vanishes on a dark terminal."""
 
 
 def viridis(shares: NDArray[np.float64]) -> NDArray[np.uint8]:

@@ -19,8 +19,8 @@ from twonav_cli.grid import GridFrame
 from twonav_cli.maze import Maze
 from twonav_cli.terminal import palette
 from twonav_cli.terminal.console import in_colour
+from twonav_cli.terminal.floor_plan import Plan, Sheet, fitted, goal_key, plan_of_map, shares
 from twonav_cli.terminal.picture import Picture, picture_of_glyphs, picture_of_pixels
-from twonav_cli.terminal.plan import Plan, Sheet, fitted, goal_key, plan_of_map, shares
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -37,6 +37,9 @@ SCENE_ROWS = 30
 
 WALL_SHARE = 0.3
 """Share of a character that must be occupied before ASCII draws it as a wall."""
+
+THIN_WALL_SHARE = 0.95
+"""Share of a line of map pixels through a character that makes it a wall, however thin."""
 
 ARROW_SHARE = 0.12
 """Share of a character that may be occupied where an arrow still stands."""
@@ -95,15 +98,21 @@ def _floor_pixels(plan: Plan, sheet: Sheet) -> NDArray[np.uint8]:
     occupied, inside = shares(plan, 2 * sheet.rows, sheet.cols)
     known = np.where(occupied < 1, inside / np.maximum(1 - occupied, 1e-9), 0.0)[..., None]
     ground = known * palette.FLOOR + (1 - known) * palette.OUTSIDE
-    wall = np.minimum(occupied * 1.25, 1.0)[..., None] ** 0.8
+    wall = np.minimum(occupied * 1.5, 1.0)[..., None] ** 0.7
     return np.asarray(ground * (1 - wall) + wall * palette.WALL, dtype=np.uint8)
 
 
 @lru_cache(maxsize=16)
 def _floor_glyphs(plan: Plan, sheet: Sheet) -> NDArray[np.str_]:
-    """Return walls as #, floor as ., outside as blank [rows, cols]."""
+    """Return walls as #, floor as ., outside as blank [rows, cols]; a thin wall right across a place counts."""
     occupied, inside = shares(plan, sheet.rows, sheet.cols)
-    return np.where(occupied >= WALL_SHARE, "#", np.where(inside > 0.3, ".", " ")).astype("<U1")
+    across, _ = shares(plan, plan.frame.rows, sheet.cols)
+    down, _ = shares(plan, sheet.rows, plan.frame.cols)
+    tops = np.arange(sheet.rows) * plan.frame.rows // sheet.rows
+    lefts = np.arange(sheet.cols) * plan.frame.cols // sheet.cols
+    thin = np.maximum(np.maximum.reduceat(across, tops, axis=0), np.maximum.reduceat(down, lefts, axis=1))
+    wall = (occupied >= WALL_SHARE) | (thin >= THIN_WALL_SHARE)
+    return np.where(wall, "#", np.where(inside > 0.3, ".", " ")).astype("<U1")
 
 
 def _put_trail(pixels: NDArray[np.uint8], sheet: Sheet, marks: Marks) -> None:
@@ -121,7 +130,7 @@ def _put_trail(pixels: NDArray[np.uint8], sheet: Sheet, marks: Marks) -> None:
 
 
 def _put_arrows(picture: Picture, plan: Plan, sheet: Sheet, marks: Marks, glyphs: NDArray[np.str_]) -> None:
-    """Write the arrow of the maze cell under every free character; of several in one cell only the first has it."""
+    """Write the arrow of the maze cell under every free character off the trail; wide cells have one arrow each."""
     frame = plan.maze_frame
     if marks.arrows is None or frame is None:
         return
@@ -129,11 +138,18 @@ def _put_arrows(picture: Picture, plan: Plan, sheet: Sheet, marks: Marks, glyphs
     cols = np.floor((xs - frame.x_min_m) / frame.resolution_m).astype(np.int64)
     rows = np.floor((frame.y_max_m - ys) / frame.resolution_m).astype(np.int64)
     in_frame = np.outer((rows >= 0) & (rows < frame.rows), (cols >= 0) & (cols < frame.cols))
-    first = np.outer(_changes(rows), _changes(cols))
+    first = np.ones((sheet.rows, sheet.cols), dtype=np.bool_)
+    if sheet.cols >= 2 * frame.cols:
+        centre_xs, centre_ys = frame.centres()
+        first = np.outer(_nearest(centre_ys, ys), _nearest(centre_xs, xs))
+    for x_m, y_m in marks.trail:
+        if (place := sheet.place_at(x_m, y_m)) is not None:
+            first[place] = False
     cells = np.ix_(np.clip(rows, 0, frame.rows - 1), np.clip(cols, 0, frame.cols - 1))
     action = marks.arrows[cells]
     occupied, inside = shares(plan, sheet.rows, sheet.cols)
     shown = first & in_frame & (action >= 0) & (occupied <= ARROW_SHARE) & (inside > 0.5)
+    shown &= picture.glyphs != "#"
     picture.glyphs[shown] = glyphs[action[shown]]
     if not picture.coloured:
         return
@@ -142,9 +158,11 @@ def _put_arrows(picture: Picture, plan: Plan, sheet: Sheet, marks: Marks, glyphs
     picture.paper[shown] = _floor_paper(plan, sheet)[shown]
 
 
-def _changes(indices: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Return which entries [N] differ from the one before; the first one does."""
-    return np.concatenate([[True], indices[1:] != indices[:-1]])
+def _nearest(centres_m: NDArray[np.float64], places_m: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return which places [P] of an axis are the nearest one to a cell's centre [N]."""
+    chosen = np.zeros(len(places_m), dtype=np.bool_)
+    chosen[np.abs(centres_m[:, None] - places_m).argmin(axis=1)] = True
+    return chosen
 
 
 @lru_cache(maxsize=16)

@@ -17,49 +17,41 @@ from textual.widgets import Input, Static
 
 from twonav_cli.errors import TwonavError
 from twonav_cli.events import RunStarted
-from twonav_cli.maze import Action
 from twonav_cli.terminal import game_view
-from twonav_cli.terminal.commands import Command, GoTo, Kidnap, Move, Pause, Quit, SingleStep, Speed
+from twonav_cli.terminal.commands import Quit
 from twonav_cli.terminal.console import colour_refused
-from twonav_cli.terminal.game import GameState, advance, faster
-from twonav_cli.terminal.game_view import Controls
+from twonav_cli.terminal.floor_plan import Plan
+from twonav_cli.terminal.game import GameState, advance
 from twonav_cli.terminal.halfblocks import image_picture
+from twonav_cli.terminal.keys import Controls, Pressed, after_commands, press
 from twonav_cli.terminal.picture_panel import PicturePanel
-from twonav_cli.terminal.plan import GOAL_KEYS, Plan
 from twonav_cli.terminal.plan_drawing import draw_plan
-from twonav_cli.terminal.prompt import VOCABULARY, Answer, Press, Wait, read_keys, read_prompt
-from twonav_cli.terminal.screen_layout import FRAME, PANELS, layout
+from twonav_cli.terminal.prompt import VOCABULARY, Answer, Wait, read_keys, read_prompt
+from twonav_cli.terminal.screen_layout import PANELS, layout
 from twonav_cli.terminal.simulation_thread import SimulationThread, Start
 
 FRAMES_PER_S = 15
 KEY_GAP_S = 0.05
 NOTICE_S = 4.0
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 USUAL_ASPECT = 376 / 192
 """Of the apartment, until the run says what is drawn."""
 
-MOVES = {
-    **{key: Action.UP for key in ("up", "w")},
-    **{key: Action.DOWN for key in ("down", "s", "j")},
-    **{key: Action.LEFT for key in ("left", "a", "h")},
-    **{key: Action.RIGHT for key in ("right", "d", "l")},
-}
-"""Keys that drive; `k` joins them once the player drives, before that it kidnaps."""
-
 HELP = """\
- g or :      type a goal's name (the beginning will do), or a command
- 1-9, 0      pick a goal by its mark on the plan
- k           kidnap the robot: carry it elsewhere without telling it
- space       pause, go on                . one step
- + -         faster, slower              tab enlarge one panel after another
- arrows wasd drive by hand; then hjkl drive too, K kidnaps, esc hands back
- q, ctrl-c   leave
+g or :       type a goal's name (its beginning will do) or a command
+1-9, 0       pick a goal by its mark on the plan
+k            kidnap the robot: carry it elsewhere without telling it
+space  .     pause or go on; one step
++ -          faster, slower
+tab          enlarge one panel after another
+arrows wasd  drive by hand; then hjkl drive too, K kidnaps, esc ends it
+q, ctrl-c    leave
 
- The prompt knows: GOAL, goals, kidnap, pause, resume, step,
- speed 2, up, down, left, right, quit, help
-
- plan    [cyan] the robot   [magenta] where it believes to be
-         arrows: the best action in each cell, from dark (far) to yellow (near)
- values  ◀ the best action; bold the one that was taken"""
+prompt       GOAL  goals  kidnap  pause  resume  step  speed 2
+             up  down  left  right  quit  help
+plan         cyan: the robot; magenta: where it believes to be;
+             arrows: best action, yellow near the goal, blue far from it
+values       ◀ the best action; bold: the one that was taken"""
 
 STYLE = """
 Screen { background: #0d1117; color: #d4dbe4; layers: below above; overflow: hidden; }
@@ -69,7 +61,7 @@ PicturePanel, #numbers {
 #top { height: auto; }
 #numbers { padding: 0 1; }
 #numbers Static { height: 100%; margin-right: 2; }
-#q { width: 3fr; }  #pose { width: 31; }  #goals { width: 3fr; }  #log { width: 5fr; margin-right: 0; }
+#q { width: 1fr; max-width: 34; }  #pose { width: 25; }  #goals { width: 22; }  #log { width: 1fr; margin-right: 0; }
 #hint, #prompt, #status { height: 1; }
 #prompt { border: none; padding: 0 1; background: #1c2530; color: #ffffff; display: none; }
 #prompt:focus { border: none; }
@@ -86,6 +78,7 @@ class PlayScreen(App[None], inherit_bindings=False):
 
     CSS = STYLE
     ENABLE_COMMAND_PALETTE = False
+    AUTO_FOCUS = None
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+c,ctrl+q", "leave", priority=True, show=False),
         Binding("tab", "cycle(1)", priority=True, show=False),
@@ -105,7 +98,7 @@ class PlayScreen(App[None], inherit_bindings=False):
         self.controls = Controls(speed=speed)
         self.left_by_signal: int | None = None
         self._simulation = simulation
-        self._name = title
+        self.title = title
         self._script = deque(read_keys(keys or ""))
         self._stay = stay
         self._coloured = not colour_refused()
@@ -126,7 +119,7 @@ class PlayScreen(App[None], inherit_bindings=False):
         yield Static(id="hint")
         yield Input(id="prompt", placeholder="a goal or a command; esc closes", select_on_focus=False)
         yield Static(id="status")
-        yield Static(HELP.replace("[cyan]", "cyan:").replace("[magenta]", "magenta:"), id="help", markup=False)
+        yield Static(HELP, id="help", markup=False)
 
     def on_mount(self) -> None:
         """Start drawing, and catch the signals that would leave the terminal as it is."""
@@ -135,7 +128,7 @@ class PlayScreen(App[None], inherit_bindings=False):
         self.set_focus(None)
         self.set_interval(1 / FRAMES_PER_S, self._frame)
         loop = asyncio.get_running_loop()
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for number in SIGNALS:
             loop.add_signal_handler(number, self._leave_by, int(number))
         if self._script:
             self.run_worker(self._press_script(), exit_on_error=True)
@@ -168,7 +161,9 @@ class PlayScreen(App[None], inherit_bindings=False):
             if isinstance(event, RunStarted):
                 self._plan = game_view.plan_of_game(self.state)
                 names = self.state.goal_names
-                self.query_one("#prompt", Input).suggester = SuggestFromList([*names, *VOCABULARY], case_sensitive=False)
+                self.query_one("#prompt", Input).suggester = SuggestFromList(
+                    [*names, *VOCABULARY], case_sensitive=False
+                )
                 self._share_space()
         if self._simulation.finished and (self._simulation.error is not None or not self._stay):
             self.exit()
@@ -208,6 +203,139 @@ class PlayScreen(App[None], inherit_bindings=False):
         text, bad, _ = self._notice
         hint = game_view.notice_text(text, bad, cols) if text else game_view.hint_text(self.state, self.controls, cols)
         self.query_one("#hint", Static).update(hint)
-        self.query_one("#status", Static).update(
-            game_view.status_text(self.state, self.controls, self._name, cols)
-        )
+        self.query_one("#status", Static).update(game_view.status_text(self.state, self.controls, self.title, cols))
+
+    def on_key(self, event: Key) -> None:
+        """Do what a key asks for, unless the prompt has it."""
+        prompt, help_ = self.query_one("#prompt", Input), self.query_one("#help")
+        if prompt.display:
+            if event.key == "escape":
+                self._close_prompt()
+            return
+        if help_.display:
+            help_.display = False
+            return
+        printable = event.character is not None and event.character.isprintable() and event.character != " "
+        self._apply(press(str(event.character) if printable else event.key, self.controls, self.state.goal_names))
+
+    def _apply(self, pressed: Pressed) -> None:
+        """Take over new controls, pass the commands on, open what is to be opened."""
+        self.controls = pressed.controls
+        self._stale = True
+        for command in pressed.commands:
+            self._simulation.commands.put(command)
+            if isinstance(command, Quit):
+                self.exit()
+        if pressed.opens == "help":
+            self.query_one("#help").display = True
+        elif pressed.opens == "prompt":
+            prompt = self.query_one("#prompt", Input)
+            prompt.value = ""
+            prompt.display = True
+            self.query_one("#hint").display = False
+            prompt.focus()
+
+    def _close_prompt(self) -> None:
+        self.set_focus(None)
+        self.query_one("#prompt").display = False
+        self.query_one("#hint").display = True
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Read what was typed."""
+        self._close_prompt()
+        goals = self.state.goal_names
+        try:
+            asked = read_prompt(event.value, goals)
+        except TwonavError as error:
+            self._notice = (str(error), True, time.monotonic() + NOTICE_S)
+            self._stale = True
+            return
+        if not isinstance(asked, Answer):
+            self._apply(after_commands(self.controls, asked))
+        elif asked.topic == "help":
+            self._apply(Pressed(self.controls, opens="help"))
+        elif asked.topic == "goals":
+            self._notice = ("goals: " + ", ".join(goals), False, time.monotonic() + NOTICE_S)
+            self._stale = True
+
+    def action_cycle(self, places: int) -> None:
+        """Enlarge the next panel; in the prompt, take what it suggests."""
+        prompt = self.query_one("#prompt", Input)
+        if prompt.display:
+            prompt.action_cursor_right()
+            return
+        order = ("", *PANELS)
+        self._alone = order[(order.index(self._alone) + places) % len(order)]
+        self._share_space()
+
+    def action_leave(self) -> None:
+        """Leave, whatever is open."""
+        self._simulation.commands.put(Quit())
+        self.exit()
+
+    def _leave_by(self, number: int) -> None:
+        self.left_by_signal = number
+        self.action_leave()
+
+    async def _press_script(self) -> None:
+        """Press the scripted keys one after the other, once the run has begun."""
+        while self.state.run is None and not self._simulation.finished:
+            await asyncio.sleep(KEY_GAP_S)
+        for key in self._script:
+            if isinstance(key, Wait):
+                await self._wait(key.seconds)
+                continue
+            await asyncio.sleep(KEY_GAP_S)
+            character = {"space": " "}.get(key.key, key.key if len(key.key) == 1 else None)
+            self.post_message(Key(key.key, character))
+
+    async def _wait(self, seconds: float | None) -> None:
+        """Wait some seconds, or until one more trial than at the last wait has ended."""
+        if seconds is not None:
+            await asyncio.sleep(seconds)
+            return
+        while self._trials_ended() <= self._trials_seen and not self._simulation.finished:
+            await asyncio.sleep(KEY_GAP_S)
+        self._trials_seen = self._trials_ended()
+
+    def _trials_ended(self) -> int:
+        return sum(self.state.outcomes.values())
+
+
+def _space(panel: PicturePanel) -> tuple[int, int]:
+    """Return the (rows, columns) inside a panel's frame."""
+    return max(panel.size.height, 1), max(panel.size.width, 1)
+
+
+def run_screen(start: Start, title: str, keys: str | None = None, stay: bool = True, speed: float | None = None) -> int:
+    """Show a simulation until the player leaves.
+
+    Args:
+        start: Runs the simulation, in a thread of its own.
+        title: Shown in the status line.
+        keys: Keys that are pressed once the run has begun, as `prompt.read_keys` reads them.
+        stay: Whether the screen waits for the player when the simulation has returned.
+        speed: Factor the simulation begins with; + and - count from it.
+
+    Returns:
+        The simulation's exit code; 128 + the signal's number when a signal ended it.
+
+    Raises:
+        TwonavError: The keys cannot be read, or the simulation does not stop.
+        BaseException: What the simulation raised; the terminal is restored by then.
+    """
+    simulation = SimulationThread(start)
+    app = PlayScreen(simulation, title, keys, stay, speed)
+    before = {number: signal.getsignal(number) for number in SIGNALS}
+    simulation.start()
+    try:
+        app.run(mouse=False)
+    finally:
+        for number, action in before.items():
+            signal.signal(number, action)
+        simulation.stop.set()
+        simulation.feed.close()
+    code = simulation.result()
+    if app.left_by_signal is not None:
+        return 128 + app.left_by_signal
+    return code or (app.return_code or 0)

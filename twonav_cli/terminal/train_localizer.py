@@ -22,6 +22,9 @@ from twonav_cli.terminal.train import TrainRequest
 QUICK_PLAN = PlanConfig(degree_step=30, random_frames=2_000, held_out_frames=500)
 QUICK_TRAINING = TrainingConfig(images=6_000, validations=2)
 
+LOG_EVERY_BATCHES = 200
+"""How often progress is printed where no bar can be drawn."""
+
 
 def train_localizer(
     request: TrainRequest, floor: Floor, folder: Path, should_stop: Callable[[], bool]
@@ -47,6 +50,8 @@ def train_localizer(
             if isinstance(event, FittingStep):
                 numbers = f"loss {event.loss:.3f}, {event.images_per_s:.0f} pictures/s"
                 bar.update(task, completed=event.clock.step, result=numbers)
+                if not bar.console.is_terminal and event.clock.step % LOG_EVERY_BATCHES == 0:
+                    bar.console.print(f"batch {event.clock.step} of {config.steps}: {numbers}")
             elif isinstance(event, FittingValidated):
                 found = event.metrics
                 bar.console.print(

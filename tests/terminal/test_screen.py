@@ -1,0 +1,192 @@
+"""The play screen, driven by its own keys and through a pseudo-terminal."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import pty
+import select
+import subprocess
+import sys
+import time
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+
+import pytest
+from fake_game import FakeGame
+from textual.pilot import Pilot
+from textual.widgets import Input, Static
+
+from twonav_cli.errors import TwonavError
+from twonav_cli.terminal.commands import GoTo, Kidnap, Quit
+from twonav_cli.terminal.screen import PlayScreen
+from twonav_cli.terminal.screen_layout import layout
+from twonav_cli.terminal.simulation_thread import SimulationThread
+
+Body = Callable[[PlayScreen, FakeGame, "Pilot[None]"], Awaitable[None]]
+
+
+def on_screen(body: Body, size: tuple[int, int] = (80, 24), keys: str | None = None) -> FakeGame:
+    """Run a body against a screen that shows the made-up game."""
+    game = FakeGame()
+    simulation = SimulationThread(game.play)
+    app = PlayScreen(simulation, "twonav: test", keys)
+
+    async def run() -> None:
+        simulation.start()
+        async with app.run_test(size=size) as pilot:
+            await until(lambda: app.state.run is not None, pilot)
+            await body(app, game, pilot)
+
+    asyncio.run(run())
+    assert simulation.result() == 7
+    return game
+
+
+async def until(condition: Callable[[], bool], pilot: Pilot[None]) -> None:
+    """Wait up to ten seconds."""
+    deadline = time.monotonic() + 10
+    while not condition():
+        assert time.monotonic() < deadline, "waited in vain"
+        await pilot.pause(0.02)
+
+
+def shown(app: PlayScreen, name: str) -> str:
+    return str(app.query_one(f"#{name}", Static).render())
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40), (200, 50), (40, 12), (20, 5)])
+def test_a_goal_is_reached_and_its_number_stands_in_the_status_line_at_any_size(size: tuple[int, int]) -> None:
+    async def body(app: PlayScreen, game: FakeGame, pilot: Pilot[None]) -> None:
+        await pilot.press("1")
+        await until(lambda: app.state.last_trial is not None, pilot)
+        await pilot.pause(0.2)
+        assert "kitchen in 26 actions" in shown(app, "status")
+
+    assert on_screen(body, size).asked[0] == GoTo("kitchen")
+
+
+def test_typing_a_goal_does_not_press_keys() -> None:
+    async def body(app: PlayScreen, game: FakeGame, pilot: Pilot[None]) -> None:
+        await pilot.press("g", *"kitchen", "enter")
+        await until(lambda: app.state.last_trial is not None, pilot)
+        assert not app.query_one("#prompt", Input).display
+
+    assert [c for c in on_screen(body).asked if not isinstance(c, Quit)] == [GoTo("kitchen")]
+
+
+def test_a_wrong_goal_is_answered_in_one_line() -> None:
+    async def body(app: PlayScreen, game: FakeGame, pilot: Pilot[None]) -> None:
+        await pilot.press("g", *"kithcen", "enter")
+        await pilot.pause(0.2)
+        assert "did you mean 'kitchen'" in shown(app, "hint")
+
+    assert on_screen(body).asked == []
+
+
+def test_tab_enlarges_one_panel_after_another_and_comes_back() -> None:
+    async def body(app: PlayScreen, game: FakeGame, pilot: Pilot[None]) -> None:
+        visible = []
+        for _ in range(4):
+            await pilot.press("tab")
+            await pilot.pause(0.1)
+            visible.append([n for n in ("plan", "camera", "numbers") if app.query_one(f"#{n}").region.area > 0])
+        assert visible == [["plan"], ["camera"], ["numbers"], ["plan", "camera", "numbers"]]
+
+    on_screen(body)
+
+
+def test_scripted_keys_play_a_game_and_leave() -> None:
+    async def body(app: PlayScreen, game: FakeGame, pilot: Pilot[None]) -> None:
+        await until(lambda: any(isinstance(c, Quit) for c in game.asked), pilot)
+
+    assert on_screen(body, keys="g bed<enter> <wait> k q").asked == [GoTo("bedroom"), Kidnap(), Quit()]
+
+
+def test_without_colour_the_plan_is_readable_characters(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NO_COLOR", "1")
+
+    async def body(app: PlayScreen, game: FakeGame, pilot: Pilot[None]) -> None:
+        await pilot.press("1")
+        await until(lambda: app.state.last_trial is not None, pilot)
+        await pilot.pause(0.2)
+        drawn = "".join(app.query_one("#plan").render_line(row).text for row in range(13))
+        assert {"#", "@", "*"} <= set(drawn)
+        assert "▀" not in drawn
+
+    on_screen(body)
+
+
+def test_help_opens_and_any_key_closes_it_without_doing_more() -> None:
+    async def body(app: PlayScreen, game: FakeGame, pilot: Pilot[None]) -> None:
+        await pilot.press("?")
+        assert app.query_one("#help").display
+        await pilot.press("k")
+        assert not app.query_one("#help").display
+
+    assert on_screen(body).asked == []
+
+
+def test_what_the_simulation_raises_closes_the_screen_and_comes_out() -> None:
+    def start(*_: object) -> int:
+        raise TwonavError("no map")
+
+    simulation = SimulationThread(start)
+    app = PlayScreen(simulation, "twonav: test")
+
+    async def run() -> None:
+        simulation.start()
+        async with app.run_test():
+            deadline = time.monotonic() + 10
+            while app.is_running and time.monotonic() < deadline:
+                await asyncio.sleep(0.02)
+
+    asyncio.run(run())
+    assert not app.is_running
+    with pytest.raises(TwonavError, match="no map"):
+        simulation.result()
+
+
+@pytest.mark.parametrize(("cols", "rows"), [(80, 24), (120, 40), (100, 24), (60, 60)])
+def test_the_panels_fill_the_terminal_and_leave_two_lines(cols: int, rows: int) -> None:
+    spaces = layout(cols, rows, 376 / 192)
+    assert spaces.plan[0] + spaces.camera[0] == cols
+    assert spaces.plan[1] == spaces.camera[1]
+    assert spaces.plan[1] + spaces.numbers_rows + 2 == rows
+    assert spaces.numbers_rows >= 7
+
+
+@pytest.mark.parametrize("key", [b"\x03", b"q"])
+def test_leaving_restores_the_terminal(key: bytes) -> None:
+    output, code = in_terminal(key)
+    assert b"\x1b[?1049h" in output, "the alternate screen was entered"
+    assert output.rindex(b"\x1b[?1049l") > output.rindex(b"\x1b[?1049h"), "and left"
+    assert output.rindex(b"\x1b[?25h") > output.rindex(b"\x1b[?25l"), "the cursor is back"
+    assert b"exit code 7" in output[output.rindex(b"\x1b[?1049l") :]
+    assert code == 0
+
+
+def in_terminal(key: bytes) -> tuple[bytes, int]:
+    """Run the made-up game in a pseudo-terminal, press a key once the plan is there; returns output and exit code."""
+    leader, follower = pty.openpty()
+    here = Path(__file__).resolve()
+    env = {**os.environ, "TERM": "xterm-256color", "COLUMNS": "80", "LINES": "24", "PYTHONPATH": str(here.parents[2])}
+    game = subprocess.Popen(
+        [sys.executable, str(here.parent / "fake_game.py")], stdin=follower, stdout=follower, stderr=follower, env=env
+    )
+    os.close(follower)
+    output, pressed, deadline = b"", False, time.monotonic() + 30
+    try:
+        while time.monotonic() < deadline:
+            if select.select([leader], [], [], 0.1)[0]:
+                try:
+                    output += os.read(leader, 65536)
+                except OSError:  # the other end is closed: the game has ended
+                    break
+            if not pressed and b"choose a goal" in output:
+                os.write(leader, key)
+                pressed = True
+        return output, game.wait(timeout=5)
+    finally:
+        game.kill()
+        os.close(leader)

@@ -1,0 +1,149 @@
+"""`twonav evaluate`: the figures, as a table for people or one JSON object for scripts."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.table import Table
+
+from twonav_cli.errors import TwonavError, unknown_name
+from twonav_cli.events import Clock, RunEnded, RunStarted
+from twonav_cli.mapping.floor import Floor, read_floor
+from twonav_cli.terminal.console import progress
+from twonav_cli.terminal.interrupt import StopOnInterrupt
+
+if TYPE_CHECKING:
+    from twonav_cli.experiments.evaluation import PairResult, PairTable
+
+STAGES = ("maze", "3d", "localizer")
+
+
+@dataclass(frozen=True)
+class EvaluateRequest:
+    """Everything the command line says about an evaluation."""
+
+    stage: str = "3d"
+    localizer: str = "raw"
+    scene: str = "apartment"
+    seed: int = 0
+    record: Path | None = None
+    base: str = "omni"
+    frames: int = 4000
+    checkpoints: Path | None = None
+    as_json: bool = False
+
+
+def run_evaluate(request: EvaluateRequest) -> int:
+    """Measure and print; returns 0, or 130 when interrupted (what was measured is printed)."""
+    if request.stage == "2d":
+        raise TwonavError("the 2D simulator is not there yet: evaluate --stage maze, 3d or localizer")
+    if request.stage not in STAGES:
+        raise unknown_name("stage", request.stage, STAGES)
+    if request.localizer not in ("raw", "truth"):
+        raise unknown_name("localizer", request.localizer, ("raw", "truth"))
+    floor = read_floor(request.scene)
+    with StopOnInterrupt() as stop:
+        report = _localizer_report(request, floor) if request.stage == "localizer" else _pairs(request, floor, stop)
+        if request.as_json:
+            print(json.dumps(report))
+        elif request.stage == "localizer":
+            _print_errors(report)
+        else:
+            _print_pairs(report)
+        return 130 if stop() else 0
+
+
+def _pairs(request: EvaluateRequest, floor: Floor, should_stop: Callable[[], bool]) -> dict[str, Any]:
+    from twonav_cli.experiments.evaluation import evaluate_pairs
+    from twonav_cli.experiments.predecessors import load_agent, load_localize, make_stage
+    from twonav_cli.terminal.recordings import recording
+
+    agent = load_agent(floor, request.stage, request.checkpoints)
+    camera_only = request.stage == "3d" and request.localizer == "raw"
+    localize = load_localize(floor, request.checkpoints) if camera_only else None
+    stage = make_stage(floor, request.stage, localize, request.seed, _options(request))
+    begun = RunStarted(
+        Clock(), "evaluate", request.stage, floor.scene.name, request.seed, {"localizer": request.localizer},
+        floor.maze, floor.maze_frame, floor.map.occupied, floor.map.frame,
+    )  # fmt: skip
+    wanted = len(floor.maze.goals) * len(floor.maze.starts)
+    with progress() as bar, recording(request.record, request.stage, begun) as recorder:
+        task = bar.add_task(f"pairs, {request.stage} {request.localizer}", total=wanted, result="")
+        reached = 0
+
+        def show(pair: PairResult) -> None:
+            nonlocal reached
+            reached += pair.success
+            bar.update(task, advance=1, result=f"{reached} reached")
+            if not pair.success:
+                bar.console.print(f"{pair.start} to {pair.goal}: {pair.outcome}, {pair.cause}")
+
+        begun_s = time.monotonic()
+        table: PairTable = evaluate_pairs(stage, agent, request.seed, recorder, show, should_stop)
+        wall_s = time.monotonic() - begun_s
+        recorder(RunEnded(Clock(len(table.pairs)), f"{reached} of {len(table.pairs)}"))
+    actions = sum(pair.actions for pair in table.pairs)
+    settings = {"scene": floor.scene.name, "stage": request.stage, "localizer": request.localizer, "seed": request.seed}
+    return {**table.report(), "actions_per_s": actions / wall_s if wall_s else None, "settings": settings}
+
+
+def _options(request: EvaluateRequest) -> Any:
+    if request.stage != "3d":
+        return None
+    from twonav_cli.stages.sim3d_stage import Sim3dOptions
+
+    return Sim3dOptions(base=request.base, trace=request.record is not None)
+
+
+def _localizer_report(request: EvaluateRequest, floor: Floor) -> dict[str, Any]:
+    """Return the errors on held-out random poses, and on the paper's split, beside a nearest-neighbour row."""
+    from twonav_cli.experiments.localizer_errors import localizer_errors
+    from twonav_cli.experiments.predecessors import checkpoint_folder
+
+    folder = checkpoint_folder(floor.scene.name, "localizer", request.checkpoints)
+    with progress() as bar:
+        task = bar.add_task("frames", total=None, result="")
+        return localizer_errors(
+            floor, folder, request.frames, request.seed,
+            lambda done, total: bar.update(task, completed=done, total=total),
+        )  # fmt: skip
+
+
+def _print_pairs(report: dict[str, Any]) -> None:
+    from twonav_cli.terminal.console import out
+
+    table = Table(box=None, pad_edge=False)
+    for heading in ("goal", "reached", "actions", "shortest", "ratio", "SPL"):
+        table.add_column(heading, justify="left" if heading == "goal" else "right")
+    for goal, row in [*report["per_goal"].items(), ("all", report)]:
+        numbers = [_number(row[key], 2) for key in ("actions_mean", "shortest_mean", "ratio", "spl")]
+        table.add_row(goal, f"{row['successes']} of {row['pairs']}", *numbers)
+    out().print(table)
+    causes = ", ".join(f"{cause} {count}" for cause, count in report["causes"].items()) or "none"
+    out().print(f"failures: {causes}; collisions: {report['collisions']}")
+    out().print(f"{_number(report['actions_per_s'], 1)} actions per second")
+
+
+def _print_errors(report: dict[str, Any]) -> None:
+    from twonav_cli.terminal.console import out
+
+    table = Table(box=None, pad_edge=False)
+    keys = ("n", "pos_median_m", "pos_mean_m", "pos_p95_m", "pos_p99_m", "ang_median_deg", "ang_mean_deg", "ang_p95_deg")
+    table.add_column("frames")
+    for key in keys:
+        table.add_column(key, justify="right")
+    for name in ("off_grid", "paper_split"):
+        row = report[name]
+        table.add_row(name, str(row["n"]), *(_number(row[key], 3) for key in keys[1:]))
+    out().print(table)
+
+
+def _number(value: float | None, digits: int) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"
+
+
