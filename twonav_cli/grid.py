@@ -43,9 +43,7 @@ class GridFrame:
 
     def __post_init__(self) -> None:
         if self.resolution_m <= 0 or self.rows < 1 or self.cols < 1:
-            raise TwonavError(
-                f"a grid needs cells: {self.rows} x {self.cols} of {self.resolution_m} m was asked for"
-            )
+            raise TwonavError(f"a grid needs cells: {self.rows} x {self.cols} of {self.resolution_m} m was asked for")
 
     @property
     def x_max_m(self) -> float:

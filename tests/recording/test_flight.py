@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from twonav_cli.recording.flight import Detail, FlightRule
+from twonav_cli.recording.flight import Detail, FlightRule, has_failed
 
 
 @pytest.mark.parametrize(
@@ -18,3 +18,7 @@ def test_failed_first_and_every_twentieth_trials_are_kept_until_the_file_is_full
 
 def test_every_trial_is_kept_when_a_person_plays() -> None:
     assert FlightRule(every_trial=True).level(7, False, 0) == Detail.FULL
+
+
+def test_a_trial_given_up_for_another_goal_has_not_failed() -> None:
+    assert [has_failed(outcome) for outcome in ("reached", "given-up", "time-out", "false-arrival")] == [0, 0, 1, 1]

@@ -186,9 +186,7 @@ class Journey:
         self._paced(step)
         return Passed(self._seen.cell, blocked)
 
-    def _end_trial(
-        self, goal: str, start: Cell, outcome: str, steps: int, shortest: int, passed: list[Passed]
-    ) -> None:
+    def _end_trial(self, goal: str, start: Cell, outcome: str, steps: int, shortest: int, passed: list[Passed]) -> None:
         explained = "reached" if outcome == "given-up" else outcome
         cause, evidence = failure_of(explained, self._seen, self.maze.goals[goal], passed)
         self.visits.append(Visit(goal, outcome, steps, shortest))

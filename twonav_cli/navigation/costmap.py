@@ -73,10 +73,6 @@ def _clear_outline(marks: NDArray[np.uint8], grid: WindowGrid, outline: FloatArr
                     break
             if inside:
                 marks[row, col] = 0
-                cleared += 1
-            elif marks[row, col] == FROM_MAP:
-                kept += 1
-    return cleared, kept
 
 
 @compiled

@@ -121,9 +121,14 @@ def overlap(
 ) -> int:
     """Return how many points of the rings lie on marks: how deep the robot seems to stand in something."""
     found = 0
+    slack_m = grid.resolution_m * 1.4143
+    if distance_at(distance_m, grid, x_m, y_m) - slack_m > robot.circumscribed_m:
+        return found
     for ring in robot.rings:
-        for i in range(ring.shape[0]):
+        i = 0
+        while i < ring.shape[0]:
             px, py = ring[i, 0], ring[i, 1]
-            if distance_at(distance_m, grid, x_m + cos * px - sin * py, y_m + sin * px + cos * py) == 0.0:
-                found += 1
+            d = distance_at(distance_m, grid, x_m + cos * px - sin * py, y_m + sin * px + cos * py)
+            found += d == 0.0
+            i += max(1, int((d - slack_m) / RING_SPACING_M))
     return found

@@ -9,13 +9,13 @@ from twonav_cli.events import Clock, Kidnapped, StepTaken, Tick, TrialEnded, Tri
 from twonav_cli.grid import GridFrame
 from twonav_cli.maze import Action, Maze
 from twonav_cli.recording.columns import Marks, cost_patch, thinned_candidates
-from twonav_cli.recording.flight import Detail
+from twonav_cli.recording.flight import Detail, has_failed
 from twonav_cli.recording.learning_rows import log10_error
 from twonav_cli.recording.palette import CAUSE_COLOURS
 from twonav_cli.recording.rrd_file import RrdFile
 
-SCAN_EVERY = 3
-CANDIDATES_EVERY = 3
+SCAN_EVERY = 4
+CANDIDATES_EVERY = 4
 COST_MAP_EVERY = 6
 POSES_EVERY = 10
 """Ticks between two rows; the last one is for trials of which only the poses are kept."""
@@ -105,7 +105,7 @@ class DriveRows:
         """Buffer the whole way, and mark the place of a failure."""
         if len(self._trail) > 1:
             self._file.put("trail", np.array(self._trail, dtype=np.float32), event.clock, Detail.POSES)
-        if event.outcome == "reached":
+        if not has_failed(event.outcome):
             return
         pose = event.pose_true
         here = (pose.x_m, pose.y_m) if pose else (self._trail or [self._frame.centre_of(event.start)])[-1]

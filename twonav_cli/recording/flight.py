@@ -8,6 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
+NOT_FAILED = ("reached", "given-up")
+"""Outcomes that nobody has to explain: the goal was reached, or a person chose another one."""
+
 
 class Detail(IntEnum):
     """How much of a trial a row belongs to; a trial is written up to one level."""
@@ -18,6 +21,11 @@ class Detail(IntEnum):
     """Where the robot was, once per action or so."""
     FULL = 2
     """Everything: camera, scans, candidates, cost maps, every tick."""
+
+
+def has_failed(outcome: str) -> bool:
+    """Return whether a trial with this outcome counts as failed."""
+    return outcome not in NOT_FAILED
 
 
 @dataclass(frozen=True)

@@ -235,7 +235,7 @@ def table_row(event: TrialEnded, start: Clock) -> str:
 
 def trial_sentence(event: TrialEnded) -> tuple[str, str]:
     """Return level and sentence for the log: what happened, the cause, the evidence."""
-    level = {"reached": "INFO", "time-out": "WARN"}.get(event.outcome, "ERROR")
+    level = {"reached": "INFO", "given-up": "INFO", "time-out": "WARN"}.get(event.outcome, "ERROR")
     text = f"trial {event.clock.trial} to {event.goal}: {event.outcome} after {event.steps} actions"
     if event.shortest >= 0:
         text += f" (shortest {event.shortest})"

@@ -25,6 +25,7 @@ OUTCOME_COLOURS: dict[str, int] = {
     "reached": 0x009E73FF,
     "time-out": 0xE69F00FF,
     "false-arrival": 0xD55E00FF,
+    "given-up": 0x999999FF,
     "unfinished": 0x777777FF,
 }
 CAUSE_COLOURS: dict[str, int] = {

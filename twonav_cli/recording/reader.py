@@ -13,6 +13,7 @@ from typing import Any
 from rerun.chunk import RrdReader
 
 from twonav_cli.errors import TwonavError
+from twonav_cli.recording.flight import has_failed
 
 MAGIC = b"RRF2"
 
@@ -40,8 +41,8 @@ class TrialRow:
 
     @property
     def failed(self) -> bool:
-        """Whether it ended otherwise than at its goal."""
-        return self.outcome != "reached"
+        """Whether it failed; one that was given up for another goal did not."""
+        return has_failed(self.outcome)
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from twonav_cli.grid import GridFrame
 from twonav_cli.recording.blueprint import Replay, drive_blueprint, fitting_blueprint, maze_blueprint
 from twonav_cli.recording.drive_rows import DriveRows, unfinished
 from twonav_cli.recording.fitting_rows import FittingRows
-from twonav_cli.recording.flight import Detail, FlightRule
+from twonav_cli.recording.flight import Detail, FlightRule, has_failed
 from twonav_cli.recording.guide_text import about
 from twonav_cli.recording.learning_rows import LearningRows
 from twonav_cli.recording.q_pictures import QPictures
@@ -175,7 +175,7 @@ class Recorder:
             self._file.ship(self._rule.level(self._trials, False, self._file.size_bytes))
 
     def _trial_ended(self, event: events.TrialEnded) -> None:
-        failed = event.outcome != "reached"
+        failed = has_failed(event.outcome)
         level = self._rule.level(self._trials, failed, self._file.size_bytes)
         self._trials += 1
         if self._trial is not None and level == Detail.FULL:

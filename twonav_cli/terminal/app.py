@@ -20,9 +20,7 @@ app = typer.Typer(
 scenes_app = typer.Typer(help="List the scenes, or look at one.", invoke_without_command=True)
 app.add_typer(scenes_app, name="scenes")
 
-SceneOption = Annotated[
-    str, typer.Option("--scene", help="Name of a scene (see `twonav scenes`) or path to an .xml.")
-]
+SceneOption = Annotated[str, typer.Option("--scene", help="Name of a scene (see `twonav scenes`) or path to an .xml.")]
 SeedOption = Annotated[int, typer.Option("--seed", min=0, help="Seed of everything random in the run.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output.")]
 RecordOption = Annotated[Path | None, typer.Option("--record", help="Where the recording (.rrd) goes.")]
@@ -30,17 +28,13 @@ NoRecordOption = Annotated[bool, typer.Option("--no-record", help="Write no reco
 BaseOption = Annotated[str, typer.Option("--base", help="omni or differential.")]
 CheckpointsOption = Annotated[
     Path | None,
-    typer.Option(
-        "--checkpoints", help="Folder of a scene's checkpoints (maze, localizer, 3d); default: the shipped."
-    ),
+    typer.Option("--checkpoints", help="Folder of a scene's checkpoints (maze, localizer, 3d); default: the shipped."),
 ]
 
 
 @app.command()
 def play(
-    goal: Annotated[
-        list[str] | None, typer.Option("--goal", help="Goal to drive to; repeat for more.")
-    ] = None,
+    goal: Annotated[list[str] | None, typer.Option("--goal", help="Goal to drive to; repeat for more.")] = None,
     scene: SceneOption = "apartment",
     stage: Annotated[str, typer.Option("--stage", help="maze, 2d or 3d.")] = "3d",
     start: Annotated[
@@ -49,18 +43,12 @@ def play(
     seed: SeedOption = 0,
     record: RecordOption = None,
     no_record: NoRecordOption = False,
-    plain: Annotated[
-        bool, typer.Option("--plain", help="One line per action instead of the live screen.")
-    ] = False,
+    plain: Annotated[bool, typer.Option("--plain", help="One line per action instead of the live screen.")] = False,
     localizer: Annotated[str, typer.Option("--localizer", help="raw (camera) or truth (3d only).")] = "raw",
     base: BaseOption = "omni",
-    speed: Annotated[
-        float, typer.Option("--speed", min=0.0, help="Simulated seconds per second; 0: no limit.")
-    ] = 4.0,
+    speed: Annotated[float, typer.Option("--speed", min=0.0, help="Simulated seconds per second; 0: no limit.")] = 4.0,
     checkpoints: CheckpointsOption = None,
-    keys: Annotated[
-        str | None, typer.Option("--keys", help="Keys to press, as in 'kitchen<enter> q'.")
-    ] = None,
+    keys: Annotated[str | None, typer.Option("--keys", help="Keys to press, as in 'kitchen<enter> q'.")] = None,
 ) -> None:
     """Watch the robot drive to the goals you name, from its own camera; ask for more at the prompt."""
     from twonav_cli.terminal.play import PlayRequest, run_play
@@ -78,17 +66,13 @@ def train(
     stage: Annotated[str, typer.Option("--stage", help="maze, localizer or 3d.")],
     scene: SceneOption = "apartment",
     seed: SeedOption = 0,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Go on where the last run of this stage stopped.")
-    ] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on where the last run of this stage stopped.")] = False,
     out: Annotated[
         Path | None, typer.Option("--out", help="Folder for the checkpoint; default: runs/SCENE/STAGE.")
     ] = None,
     record: RecordOption = None,
     no_record: NoRecordOption = False,
-    quick: Annotated[
-        bool, typer.Option("--quick", help="A small run that shows that everything works.")
-    ] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="A small run that shows that everything works.")] = False,
     base: BaseOption = "omni",
     json_: JsonOption = False,
 ) -> None:
@@ -110,9 +94,7 @@ def evaluate(
     seed: SeedOption = 0,
     record: RecordOption = None,
     base: BaseOption = "omni",
-    frames: Annotated[
-        int, typer.Option("--frames", min=1, help="Held-out random poses (localizer only).")
-    ] = 4000,
+    frames: Annotated[int, typer.Option("--frames", min=1, help="Held-out random poses (localizer only).")] = 4000,
     checkpoints: CheckpointsOption = None,
     json_: JsonOption = False,
 ) -> None:

@@ -95,9 +95,7 @@ def _warm_up() -> str:
     from twonav_cli.terminal.play import PlayRequest, run_play
 
     code = run_play(
-        PlayRequest(
-            scene="apartment", stage="3d", goals=("kitchen",), recording=False, plain=True, quiet=True
-        )
+        PlayRequest(scene="apartment", stage="3d", goals=("kitchen",), recording=False, plain=True, quiet=True)
     )
     return "compiled" if code in (0, 1) else "error"
 

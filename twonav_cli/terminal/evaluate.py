@@ -133,7 +133,16 @@ def _print_errors(report: dict[str, Any]) -> None:
     from twonav_cli.terminal.console import out
 
     table = Table(box=None, pad_edge=False)
-    keys = ("n", "pos_median_m", "pos_mean_m", "pos_p95_m", "pos_p99_m", "ang_median_deg", "ang_mean_deg", "ang_p95_deg")
+    keys = (
+        "n",
+        "pos_median_m",
+        "pos_mean_m",
+        "pos_p95_m",
+        "pos_p99_m",
+        "ang_median_deg",
+        "ang_mean_deg",
+        "ang_p95_deg",
+    )
     table.add_column("frames")
     for key in keys:
         table.add_column(key, justify="right")
@@ -145,5 +154,3 @@ def _print_errors(report: dict[str, Any]) -> None:
 
 def _number(value: float | None, digits: int) -> str:
     return "-" if value is None else f"{value:.{digits}f}"
-
-

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from twonav_cli.errors import TwonavError, unknown_name
 from twonav_cli.events import Clock, RunEnded, RunStarted, Sink, to_all
 from twonav_cli.terminal.commands import Command
+from twonav_cli.terminal.console import screen_possible
 
 if TYPE_CHECKING:
     from twonav_cli.experiments.journey import Wishes
@@ -49,8 +50,7 @@ def run_play(request: PlayRequest) -> int:
     """Play; returns 0 when every goal was reached, else 1."""
     check_names(request.stage, request.localizer, request.base)
     path = _recording_path(request) if request.recording else None
-    on_screen = not request.plain and sys.stdout.isatty() and sys.stdin.isatty()
-    if on_screen:
+    if not request.plain and screen_possible():
         from twonav_cli.terminal.screen import run_screen
 
         def start(sink: Sink, commands: queue.Queue[Command], stop: threading.Event) -> int:
@@ -58,7 +58,8 @@ def run_play(request: PlayRequest) -> int:
 
             return _drive(request, sink, QueuedWishes(commands, stop, request.speed), path, stay=True)
 
-        code = run_screen(start, title=f"twonav: {request.scene}, {request.stage}", keys=request.keys)
+        title = f"twonav: {request.scene}, {request.stage}"
+        code = run_screen(start, title=title, keys=request.keys, speed=request.speed)
     else:
         code = _play_plainly(request, path)
     if path is not None and path.exists():
@@ -123,9 +124,7 @@ def _drive(request: PlayRequest, sink: Sink, wishes: Wishes, path: Path | None, 
         )
         visits = journey.run(request.goals, start, stay)
         reached = {visit.goal for visit in visits if visit.outcome == "reached"}
-        ended = RunEnded(
-            Clock(len(visits), 0, stage.time_s), f"{len(reached)} of {len(visits)} goals reached"
-        )
+        ended = RunEnded(Clock(len(visits), 0, stage.time_s), f"{len(reached)} of {len(visits)} goals reached")
         to_all(recorder, sink)(ended)
     return 0 if all(goal in reached for goal in request.goals) else 1
 

@@ -15,8 +15,7 @@ def run_list(as_json: bool) -> int:
     scenes = [read_scene(name) for name in scene_names()]
     if as_json:
         rows = [
-            {"name": s.name, "goals": list(s.goals), "starts": list(s.starts), "rooms": list(s.rooms)}
-            for s in scenes
+            {"name": s.name, "goals": list(s.goals), "starts": list(s.starts), "rooms": list(s.rooms)} for s in scenes
         ]
         print(json.dumps(rows))
         return 0
@@ -26,9 +25,7 @@ def run_list(as_json: bool) -> int:
     for scene in scenes:
         x_min, y_min, x_max, y_max = scene.map_area_m
         size = f"{x_max - x_min:.1f} x {y_max - y_min:.1f} m"
-        table.add_row(
-            scene.name, size, ", ".join(scene.rooms), ", ".join(scene.goals), str(len(scene.starts))
-        )
+        table.add_row(scene.name, size, ", ".join(scene.rooms), ", ".join(scene.goals), str(len(scene.starts)))
     out().print(table)
     return 0
 
@@ -41,6 +38,6 @@ def run_show(name: str) -> int:
     floor = read_floor(name)
     console = out()
     console.print(
-        draw_scene(floor.maze, floor.maze_frame, floor.map.occupied, floor.map.frame, console.width)
+        draw_scene(floor.maze, floor.maze_frame, floor.map.occupied, floor.map.frame, console.width, floor.scene.rooms)
     )
     return 0

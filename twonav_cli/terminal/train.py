@@ -89,5 +89,3 @@ def card_of(request: TrainRequest, floor: Floor, metrics: dict[str, Any]) -> dic
         "seed": request.seed,
         "metrics": metrics,
     }
-
-

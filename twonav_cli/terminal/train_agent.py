@@ -37,7 +37,9 @@ def train_agent(
         TwonavError: The stage before is missing, or a checkpoint does not belong here.
     """
     agent = _agent(request, floor, folder)
-    path = (request.record or default_recording("train", floor.scene.name, request.stage)) if request.recording else None
+    path = (
+        (request.record or default_recording("train", floor.scene.name, request.stage)) if request.recording else None
+    )
     begun = RunStarted(
         Clock(agent.progress.trial, agent.progress.step), "train", request.stage, floor.scene.name, request.seed, {},
         floor.maze, floor.maze_frame, floor.map.occupied, floor.map.frame,

@@ -98,8 +98,6 @@ def collected(
     with progress() as bar:
         task = bar.add_task("frames", total=len(plan.poses), result="")
         provenance = Provenance(scene.name, scene.digest, seed)
-        collect(
-            render, plan, folder, provenance, lambda done, total: bar.update(task, completed=done), should_stop
-        )
+        collect(render, plan, folder, provenance, lambda done, total: bar.update(task, completed=done), should_stop)
     camera.close()
     return None if should_stop() else open_store(folder, scene.digest)

@@ -44,9 +44,7 @@ class QueuedWishes:
     def wait_for_permission(self) -> None:
         """Block while paused, unless a single step, a move or a kidnap was asked for."""
         self._read()
-        while self._paused and not (
-            self._single_steps or self._moves or self._kidnap or self._goals or self.left()
-        ):
+        while self._paused and not (self._single_steps or self._moves or self._kidnap or self._goals or self.left()):
             self._read(timeout_s=_POLL_S)
         self._single_steps = max(self._single_steps - 1, 0)
 
