@@ -25,7 +25,7 @@ $(BIN)/python:
 $(VENV)/.installed: pyproject.toml constraints.txt install_renderer.sh | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
 	sh install_renderer.sh
-	$(BIN)/twonav doctor --warm-up
+	$(BIN)/twonav doctor --warm-up || true
 	touch $@
 
 $(VENV)/.installed-dev: $(VENV)/.installed

@@ -1,6 +1,6 @@
 """A checkpoint: a folder with arrays (safetensors) and a card (JSON) that says what they are and how they were made.
 
-Nothing is unpickled. The card holds the SHA-256 of the arrays' file, so a flipped bit is noticed.
+Nothing is unpickled. The card holds the SHA-256 of the arrays' file and of itself, so a flipped bit is noticed.
 """
 
 from __future__ import annotations
@@ -19,7 +19,10 @@ from numpy.typing import NDArray
 from twonav_cli.errors import TwonavError
 from twonav_cli.files import write_whole
 
-FORMAT = 1
+FORMAT = 2
+UNSIGNED_FORMAT = 1
+"""The format before: its card has no checksum of itself."""
+
 ARRAYS_FILE = "arrays.safetensors"
 CARD_FILE = "card.json"
 
@@ -53,22 +56,29 @@ def save_checkpoint(folder: Path, arrays: Arrays, card: Card) -> Path:
 
     content = save({name: np.ascontiguousarray(array) for name, array in arrays.items()})
     full = {
-        "format": FORMAT,
         **card,
+        "format": FORMAT,
         "sha256": hashlib.sha256(content).hexdigest(),
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
         "versions": versions(),
     }
     write_whole(folder / ARRAYS_FILE, content)
-    write_whole(folder / CARD_FILE, json.dumps(full, indent=2) + "\n")
+    write_whole(folder / CARD_FILE, json.dumps(signed(full), indent=2) + "\n")
     return folder
+
+
+def signed(card: Card) -> Card:
+    """Return the card with the checksum of everything else in it, as it will be read back."""
+    rest = {key: value for key, value in card.items() if key != "card_sha256"}
+    content = json.dumps(json.loads(json.dumps(rest)), sort_keys=True).encode()
+    return {**rest, "card_sha256": hashlib.sha256(content).hexdigest()}
 
 
 def read_card(folder: Path) -> Card:
     """Read the card of a checkpoint.
 
     Raises:
-        TwonavError: There is none, or it is not a card.
+        TwonavError: There is none, or it is damaged or not a card.
     """
     path = folder / CARD_FILE
     try:
@@ -76,10 +86,15 @@ def read_card(folder: Path) -> Card:
     except FileNotFoundError:
         raise TwonavError(f"there is no checkpoint in {folder}: train one, or name another folder") from None
     except (OSError, ValueError) as error:
-        raise TwonavError(f"{path} is not a checkpoint card: {str(error).splitlines()[0]}") from error
-    if not isinstance(card, dict) or card.get("format") != FORMAT or "sha256" not in card or "kind" not in card:
+        raise TwonavError(
+            f"{path} is not a checkpoint card ({str(error).splitlines()[0]}): restore it or train again"
+        ) from error
+    known = isinstance(card, dict) and card.get("format") in (FORMAT, UNSIGNED_FORMAT)
+    if not known or "sha256" not in card or "kind" not in card:
         raise TwonavError(f"{path} is not a checkpoint card of this version of twonav: train again")
-    return card
+    if card["format"] == FORMAT and signed(card) != card:
+        raise TwonavError(f"{path} is damaged (its checksum is not its own): restore it or train again")
+    return dict(card)
 
 
 def load_checkpoint(
@@ -104,7 +119,7 @@ def load_checkpoint(
 
     card = read_card(folder)
     if card["kind"] != kind:
-        raise TwonavError(f"the checkpoint in {folder} is a {card['kind']}, not a {kind}")
+        raise TwonavError(f"the checkpoint in {folder} is of kind {card['kind']!r}, not {kind!r}: name another folder")
     if scene_digest is not None and card.get("scene_digest") != scene_digest:
         raise TwonavError(
             f"the {kind} in {folder} was made for another scene or another version of it "
@@ -116,10 +131,10 @@ def load_checkpoint(
     try:
         content = path.read_bytes()
     except OSError as error:
-        raise TwonavError(f"{path} cannot be read: {error.strerror}") from error
+        raise TwonavError(f"{path} cannot be read ({error.strerror}): restore it or train again") from error
     if hashlib.sha256(content).hexdigest() != card["sha256"]:
         raise TwonavError(f"{path} is damaged (its checksum is not the card's): restore it or train again")
     try:
         return load(content), card
     except (SafetensorError, ValueError) as error:
-        raise TwonavError(f"{path} is not a safetensors file: {error}") from error
+        raise TwonavError(f"{path} is not a safetensors file ({error}): train again") from error

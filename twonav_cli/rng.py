@@ -13,6 +13,7 @@ def stream(seed: int, name: str, *indices: int) -> np.random.Generator:
     Args:
         seed: The seed of the run.
         name: What is drawn: "explore", "replay", "odometry", "poses", "batches", "weights".
-        indices: Further numbers that tell streams of the same name apart (repeat, worker).
+        indices: Further numbers that tell streams of the same name apart (repeat, worker). A last index of 0
+            is the same as none, so each name keeps to one number of indices.
     """
     return np.random.default_rng([seed & 0xFFFFFFFF, zlib.crc32(name.encode()), *indices])

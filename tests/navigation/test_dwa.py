@@ -8,8 +8,9 @@ from twonav_cli.config import DriveConfig
 from twonav_cli.geometry import Pose, Twist, compose
 from twonav_cli.grid import GridFrame
 from twonav_cli.navigation.costmap import CostMap
-from twonav_cli.navigation.dwa import DynamicWindow, Leg, braking_time_s, displacement
+from twonav_cli.navigation.dwa import DynamicWindow, Leg
 from twonav_cli.navigation.dwa_costs import clearance_cost, heading_cost, path_cost, speed_cost, target_cost
+from twonav_cli.navigation.rollout import braking_time_s, displacement
 from twonav_cli.navigation.velocity_window import sample_into
 
 CONFIG = DriveConfig()

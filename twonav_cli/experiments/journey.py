@@ -15,7 +15,7 @@ from typing import Protocol
 
 import numpy as np
 
-from twonav_cli.errors import TwonavError, unknown_name
+from twonav_cli.errors import unknown_name
 from twonav_cli.events import (
     Clock,
     Event,
@@ -32,11 +32,11 @@ from twonav_cli.experiments.trials import Passed, failure_of
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell, GridFrame
 from twonav_cli.learner.agent import Agent
-from twonav_cli.maze import Maze
+from twonav_cli.maze import UNREACHABLE, Maze
 from twonav_cli.stages.stage import REACHED, Observation, Stage
 
 
-class Stopped(Exception):
+class JourneyLeftError(Exception):
     """The person left."""
 
 
@@ -131,41 +131,42 @@ class Journey:
 
         Raises:
             TwonavError: A goal is unknown.
-            Stopped: Never; leaving ends the run early and the visits so far are returned.
+            JourneyLeftError: Never; leaving ends the run early and the visits so far are returned.
         """
         waiting = deque(goals)
         for name in waiting:
-            self._goal_index(name)
+            if name not in self.agent.goal_names:
+                raise unknown_name("goal", name, self.agent.goal_names)
         self._seen = self.stage.place(start)
         self._sink(QSnapshot(self._clock(), self.agent.table()))
         try:
             while True:
-                goal = waiting.popleft() if waiting else self._wishes.next_goal(wait=stay)
+                goal = waiting.popleft() if waiting else self._asked_for(wait=stay)
                 if goal is None:
                     return self.visits
                 self._visit(goal, waiting)
-        except Stopped:
+        except JourneyLeftError:
             return self.visits
 
     def _visit(self, goal: str, waiting: deque[str]) -> None:
-        index = self._goal_index(goal)
-        start, begun = self._seen.cell, self._step
-        shortest = int(self.maze.distances_to(self.maze.goals[goal])[self._seen.true_cell])
+        index = self.agent.goal_names.index(goal)
+        start, begun, shortest = self._seen.cell, self._step, self._shortest_to(goal)
         self._sink(GoalChosen(self._clock(), goal, "asked for", self.agent.td_error_of_goals()))
         self._sink(QSnapshot(self._clock(), self.agent.table()))
         self._sink(TrialStarted(self._clock(), goal, start, self._seen.pose_true))
         passed: list[Passed] = []
         outcome = "time-out"
         while self._step - begun < self.agent.config.trial_limit_steps:
-            self._between_actions(waiting)
+            asked = self._between_actions()
+            if asked is not None and asked != goal:
+                waiting.appendleft(asked)
             if self._seen.cell == self.maze.goals[goal]:
                 outcome = REACHED if self._seen.true_cell == self.maze.goals[goal] else "false-arrival"
                 break
-            passed.append(self._take_step(goal, index))
-            if waiting and waiting[0] == "":  # a new goal was asked for on the way
-                waiting.popleft()
+            if asked is not None and asked != goal:
                 outcome = "given-up"
                 break
+            passed.append(self._take_step(goal, index))
         self._end_trial(goal, start, outcome, self._step - begun, shortest, passed)
 
     def _take_step(self, goal: str, index: int) -> Passed:
@@ -174,11 +175,11 @@ class Journey:
         action, greedy = self.agent.choose(before.cell, index, self._rng)
         action = action if by_hand is None else by_hand
         values = self.agent.values(before.cell, index).copy()
+        self._step += 1  # the ticks of an action carry its number, as in `run_trial`
         result = self.stage.act(action, self._clock(), self._paced)
         self._seen = result.observation
         blocked = result.outcome != REACHED or self._seen.cell == before.cell
         td_errors = self.agent.observe(before.cell, action, self._seen.cell, blocked)
-        self._step += 1
         step = StepTaken(
             self._clock(), goal, before.cell, action, self._seen.cell, result.outcome, values, td_errors, greedy,
             self._seen.true_cell, self._seen.pose_true, self._seen.pose_estimate, self._seen.image,
@@ -198,20 +199,28 @@ class Journey:
         )  # fmt: skip
         self._trial += 1
 
-    def _between_actions(self, waiting: deque[str]) -> None:
+    def _between_actions(self) -> str | None:
+        """Do what the person wants done now; return the goal that was asked for, if any."""
         self._wishes.wait_for_permission()
         if self._wishes.left():
-            raise Stopped
+            raise JourneyLeftError
         if self._wishes.take_kidnap():
             self._kidnap()
-        asked = self._wishes.next_goal(wait=False)
-        if asked is not None:
-            try:
-                self._goal_index(asked)
-            except TwonavError as error:
-                self._sink(Note(self._clock(), "WARN", str(error)))
-            else:
-                waiting.extendleft([asked, ""])
+        return self._asked_for(wait=False)
+
+    def _asked_for(self, wait: bool) -> str | None:
+        """Return the next goal that the person asks for; an unknown one is only noted."""
+        while (name := self._wishes.next_goal(wait)) is not None:
+            if name in self.agent.goal_names:
+                return name
+            self._sink(Note(self._clock(), "WARN", str(unknown_name("goal", name, self.agent.goal_names))))
+        return None
+
+    def _shortest_to(self, goal: str) -> int:
+        """Return the length of the shortest way from where the robot is, or, in no free cell, believes to be."""
+        distances = self.maze.distances_to(self.maze.goals[goal])
+        true = int(distances[self._seen.true_cell])
+        return int(distances[self._seen.cell]) if true == UNREACHABLE else true
 
     def _kidnap(self) -> None:
         """Carry the robot to a free cell at random, without telling it."""
@@ -226,7 +235,7 @@ class Journey:
         """Hand an event on and let simulated time pass as fast as the person wants."""
         self._sink(event)
         if self._wishes.left():
-            raise Stopped
+            raise JourneyLeftError
         pace = self._wishes.pace()
         simulated_s = max(event.clock.time_s - self._shown_until_s, 0.0)
         self._shown_until_s = max(event.clock.time_s, self._shown_until_s)
@@ -235,8 +244,3 @@ class Journey:
 
     def _clock(self) -> Clock:
         return Clock(self._trial, self._step, self.stage.time_s)
-
-    def _goal_index(self, name: str) -> int:
-        if name not in self.agent.goal_names:
-            raise unknown_name("goal", name, self.agent.goal_names)
-        return self.agent.goal_names.index(name)

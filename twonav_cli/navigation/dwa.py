@@ -1,8 +1,7 @@
 """The dynamic window approach: roll out what can be reached, drop what would touch, take the cheapest (§3.1.3).
 
-N candidates, T poses of a roll-out. A differential candidate rolls out along an arc. An omnidirectional one keeps its
-direction in the map while its heading turns: the next control periods would command it so. A candidate is admissible
-when the robot can brake before the first pose that touches something (Fox et al., 1997).
+N candidates, T poses of a roll-out (rollout.py). A candidate is admissible when the robot can brake before the first
+pose that touches something (Fox et al., 1997).
 """
 
 from __future__ import annotations
@@ -21,21 +20,13 @@ from twonav_cli.navigation.costmap import CostMap
 from twonav_cli.navigation.dwa_costs import (
     DwaWeights,
     Weights,
-    clearance_cost,
     heading_cost,
     path_cost,
     speed_cost,
     target_cost,
 )
-from twonav_cli.navigation.footprint import (
-    FloatArray,
-    Footprint,
-    WindowGrid,
-    distance_at,
-    overlap,
-    robot_footprint,
-    touches,
-)
+from twonav_cli.navigation.footprint import FloatArray, Footprint, WindowGrid, overlap, robot_footprint, touches
+from twonav_cli.navigation.rollout import Rollout, braking_time_s, displacement, freeing_cost, obstacle_cost
 from twonav_cli.navigation.velocity_window import (
     DIFFERENTIAL_SAMPLES,
     OMNI_SAMPLES,
@@ -53,113 +44,6 @@ class Leg(NamedTuple):
     target_x_m: float
     target_y_m: float
     heading_rad: float
-
-
-class Rollout(NamedTuple):
-    """How candidates are rolled out and judged."""
-
-    horizon_s: float
-    poses: int
-    inflation_m: float
-    curved: bool
-    """Whether the path bends with the heading (differential) or not (omnidirectional)."""
-
-
-@compiled
-def braking_time_s(speed: float, deceleration: float, tick_s: float) -> float:
-    """Return the time at constant speed that covers one period and the braking after it: tick + v / 2a."""
-    return tick_s + 0.5 * abs(speed) / deceleration
-
-
-@compiled
-def displacement(vx: float, vy: float, turn: float, time_s: float, curved: bool) -> tuple[float, float]:
-    """Return where (dx_m, dy_m) a candidate leads in some time: along its arc's chord, or straight."""
-    if not curved:
-        return vx * time_s, vy * time_s
-    half = 0.5 * turn * time_s
-    chord = time_s * (1.0 - half * half / 6.0 if abs(half) < 1e-3 else math.sin(half) / half)
-    cos, sin = math.cos(half), math.sin(half)
-    return (cos * vx - sin * vy) * chord, (sin * vx + cos * vy) * chord
-
-
-@compiled
-def turned(x: float, y: float, angle_rad: float) -> tuple[float, float]:
-    """Return a vector turned counter-clockwise."""
-    cos, sin = math.cos(angle_rad), math.sin(angle_rad)
-    return cos * x - sin * y, sin * x + cos * y
-
-
-@compiled
-def obstacle_cost(
-    pose: Pose,
-    candidate: FloatArray,
-    stop_s: float,
-    end_s: float,
-    distance_m: FloatArray,
-    grid: WindowGrid,
-    robot: Footprint,
-    rollout: Rollout,
-) -> float:
-    """Return the clearance cost along a candidate's roll-out; inf when it cannot stop before touching something.
-
-    Two thirds of the poses lie up to just behind the stopping point and count by their distance; a touch further on,
-    before the target, counts in full.
-    """
-    near = max(2, 2 * rollout.poses // 3)
-    dt = stop_s / (near - 1)
-    turn = candidate[2]
-    x, y, theta = pose[0], pose[1], pose[2]
-    worst = 0.0
-    for part in (0, 1):
-        poses = near if part == 0 else rollout.poses - near
-        if part == 1:
-            theta += turn * near * dt
-            passed_s, dt = near * dt, max(end_s - near * dt, 0.0) / max(poses, 1)
-            if dt == 0.0:
-                break
-            vx, vy = turned(candidate[0], candidate[1], turn * passed_s if rollout.curved else 0.0)
-        else:
-            vx, vy = candidate[0], candidate[1]
-        step_x, step_y = displacement(vx, vy, turn, dt, rollout.curved)
-        cos, sin = math.cos(theta), math.sin(theta)
-        cos_w, sin_w = math.cos(turn * dt), math.sin(turn * dt)
-        for _ in range(poses):
-            x, y = x + step_x, y + step_y
-            cos, sin = cos * cos_w - sin * sin_w, sin * cos_w + cos * sin_w
-            if rollout.curved:
-                step_x, step_y = step_x * cos_w - step_y * sin_w, step_x * sin_w + step_y * cos_w
-            if touches(distance_m, grid, robot, x, y, cos, sin):
-                return np.inf if part == 0 else 1.0
-            if part == 0:
-                d = distance_at(distance_m, grid, x, y)
-                worst = max(worst, clearance_cost(d, robot.inscribed_m, rollout.inflation_m))
-    return worst
-
-
-@compiled
-def freeing_cost(
-    pose: Pose,
-    candidate: FloatArray,
-    stop_s: float,
-    allowed: int,
-    distance_m: FloatArray,
-    grid: WindowGrid,
-    robot: Footprint,
-    curved: bool,
-) -> float:
-    """Return how many outline points stay on marks after a candidate; inf when there are more than allowed.
-
-    For a robot that seems to stand in something: it may do what does not lead deeper.
-    """
-    left = 0
-    for share in (0.25, 0.5, 0.75, 1.0):
-        time_s = share * stop_s
-        dx, dy = displacement(candidate[0], candidate[1], candidate[2], time_s, curved)
-        theta = pose[2] + candidate[2] * time_s
-        left = overlap(distance_m, grid, robot, pose[0] + dx, pose[1] + dy, math.cos(theta), math.sin(theta))
-        if left > allowed:
-            return np.inf
-    return float(left)
 
 
 @compiled
@@ -186,6 +70,21 @@ def stopping_cost(
 
 
 @compiled
+def fill_stopping_costs(
+    candidates: FloatArray, pose: Pose, leg: Leg, curved: bool, limits: Limits, weights: Weights, costs: FloatArray
+) -> FloatArray:
+    """Write the stopping costs [N] of candidates [N, 3]; return the times [N] at constant speed they need to stop."""
+    stop_s = np.empty(candidates.shape[0])
+    for i in range(candidates.shape[0]):
+        speed = math.hypot(candidates[i, 0], candidates[i, 1])
+        move_s = braking_time_s(speed, limits.acceleration_mps2, limits.tick_s)
+        turn_s = braking_time_s(candidates[i, 2], limits.turn_acceleration_radps2, limits.tick_s)
+        stop_s[i] = max(move_s, turn_s)
+        costs[i] = stopping_cost(pose, candidates[i], move_s, turn_s, leg, curved, limits.forward_mps, weights)
+    return stop_s
+
+
+@compiled
 def best_candidate(
     candidates: FloatArray,
     pose: Pose,
@@ -205,14 +104,7 @@ def best_candidate(
     `allowed_overlap` is 0, or how many outline points may lie on marks when the robot stands in some already. With
     `prune`, the footprint of what cannot win any more is skipped and its cost is a lower bound; the winner is the same.
     """
-    n = candidates.shape[0]
-    stop_s = np.empty(n)
-    for i in range(n):
-        speed = math.hypot(candidates[i, 0], candidates[i, 1])
-        move_s = braking_time_s(speed, limits.acceleration_mps2, limits.tick_s)
-        turn_s = braking_time_s(candidates[i, 2], limits.turn_acceleration_radps2, limits.tick_s)
-        stop_s[i] = max(move_s, turn_s)
-        costs[i] = stopping_cost(pose, candidates[i], move_s, turn_s, leg, rollout.curved, limits.forward_mps, weights)
+    stop_s = fill_stopping_costs(candidates, pose, leg, rollout.curved, limits, weights, costs)
     left_m = math.hypot(leg.target_x_m - pose[0], leg.target_y_m - pose[1])
     best, best_cost = -1, np.inf
     # Cheapest first: obstacles only add, so what begins above the best found cannot win. Spares nine tenths.

@@ -17,8 +17,11 @@ from twonav_cli.config import ROBOT_FOOTPRINT_M
 
 FloatArray = NDArray[np.float64]
 
-RING_SPACING_M = 0.01
-"""Points of a ring lie at most this far apart; a mark's corner can reach half of it between two of them (ours)."""
+OUTLINE_SPACING_M = 0.01
+"""Points of the outline lie at most this far apart; a mark's corner can reach half of it between two (ours)."""
+
+INNER_SPACING_M = 0.02
+"""Points of the rings inside: less than a cell of the window (ours)."""
 
 RING_MARGINS_M = (0.005, -0.035, -0.075)
 """The outline is grown a little because of the spacing; the rings inside it find a lone map pixel of 5 cm that no point
@@ -65,7 +68,10 @@ def ring_points(outline_m: FloatArray, spacing_m: float) -> FloatArray:
 def robot_footprint() -> Footprint:
     """Return the rings of the robot (config.ROBOT_FOOTPRINT_M)."""
     outline = np.array(ROBOT_FOOTPRINT_M)
-    outer, inner, innermost = (ring_points(grown_outline(outline, m), RING_SPACING_M) for m in RING_MARGINS_M)
+    outer, inner, innermost = (
+        ring_points(grown_outline(outline, margin), INNER_SPACING_M if i else OUTLINE_SPACING_M)
+        for i, margin in enumerate(RING_MARGINS_M)
+    )
     radii = np.linalg.norm(outer, axis=1)
     return Footprint((outer, inner, innermost), float(radii.min()), float(radii.max()))
 
@@ -82,20 +88,33 @@ def distance_at(distance_m: FloatArray, grid: WindowGrid, x_m: float, y_m: float
 
 
 @compiled
-def _ring_touches(
-    distance_m: FloatArray, grid: WindowGrid, ring: FloatArray, x_m: float, y_m: float, cos: float, sin: float
-) -> bool:
-    """Whether a point of a ring [N, 2] lies on a mark."""
+def marked_points(
+    distance_m: FloatArray,
+    grid: WindowGrid,
+    robot: Footprint,
+    x_m: float,
+    y_m: float,
+    cos: float,
+    sin: float,
+    enough: int,
+) -> int:
+    """Return how many points of the rings lie on marks, up to `enough`; far from marks most points are skipped."""
     # Both the point and the mark may lie half a diagonal from their cells' centres.
     slack_m = grid.resolution_m * 1.4143
-    i = 0
-    while i < ring.shape[0]:
-        px, py = ring[i, 0], ring[i, 1]
-        d = distance_at(distance_m, grid, x_m + cos * px - sin * py, y_m + sin * px + cos * py)
-        if d == 0.0:
-            return True
-        i += max(1, int((d - slack_m) / RING_SPACING_M))
-    return False
+    found = 0
+    for k in range(len(robot.rings)):
+        ring = robot.rings[k]
+        spacing_m = OUTLINE_SPACING_M if k == 0 else INNER_SPACING_M
+        i = 0
+        while i < ring.shape[0]:
+            px, py = ring[i, 0], ring[i, 1]
+            d = distance_at(distance_m, grid, x_m + cos * px - sin * py, y_m + sin * px + cos * py)
+            if d == 0.0:
+                found += 1
+                if found >= enough:
+                    return found
+            i += max(1, int((d - slack_m) / spacing_m))
+    return found
 
 
 @compiled
@@ -109,10 +128,7 @@ def touches(
         return False
     if d + half_m < robot.inscribed_m:
         return True
-    for ring in robot.rings:  # noqa: SIM110, numba compiles no any()
-        if _ring_touches(distance_m, grid, ring, x_m, y_m, cos, sin):
-            return True
-    return False
+    return marked_points(distance_m, grid, robot, x_m, y_m, cos, sin, 1) > 0
 
 
 @compiled
@@ -120,15 +136,6 @@ def overlap(
     distance_m: FloatArray, grid: WindowGrid, robot: Footprint, x_m: float, y_m: float, cos: float, sin: float
 ) -> int:
     """Return how many points of the rings lie on marks: how deep the robot seems to stand in something."""
-    found = 0
-    slack_m = grid.resolution_m * 1.4143
-    if distance_at(distance_m, grid, x_m, y_m) - slack_m > robot.circumscribed_m:
-        return found
-    for ring in robot.rings:
-        i = 0
-        while i < ring.shape[0]:
-            px, py = ring[i, 0], ring[i, 1]
-            d = distance_at(distance_m, grid, x_m + cos * px - sin * py, y_m + sin * px + cos * py)
-            found += d == 0.0
-            i += max(1, int((d - slack_m) / RING_SPACING_M))
-    return found
+    if distance_at(distance_m, grid, x_m, y_m) - grid.resolution_m * 1.4143 > robot.circumscribed_m:
+        return 0
+    return marked_points(distance_m, grid, robot, x_m, y_m, cos, sin, 100_000)

@@ -28,6 +28,7 @@ class RangeFinder:
         self.max_m = max_m
         self._site = world.model.site(PREFIX + "laser").id
         self._directions = np.stack([np.cos(BEAM_ANGLES_RAD), np.sin(BEAM_ANGLES_RAD), np.zeros(BEAMS)])  # [3, 180]
+        self._groups = _groups_of_solids(world)
         self._geoms = np.empty(BEAMS, dtype=np.int32)
         self._ranges_m = np.empty(BEAMS, dtype=np.float64)
 
@@ -41,7 +42,7 @@ class RangeFinder:
             data,
             data.site_xpos[self._site],
             vectors,
-            None,
+            self._groups,
             True,
             self._world.chassis_id,
             self._geoms,
@@ -51,3 +52,17 @@ class RangeFinder:
             self.max_m,
         )
         return np.where((self._ranges_m < 0) | (self._ranges_m > self.max_m), self.max_m, self._ranges_m)
+
+
+def _groups_of_solids(world: World) -> NDArray[np.uint8]:
+    """Return which of the six geom groups [6] hold anything that the robot can run into.
+
+    Beams are cast at these only: a scene that draws with one group and collides with another has each wall twice, and
+    rays at drawn meshes cost three times as much.
+    """
+    model = world.model
+    others = np.asarray(model.body_rootid)[np.asarray(model.geom_bodyid)] != world.chassis_id
+    solid = (np.asarray(model.geom_contype) | np.asarray(model.geom_conaffinity)) != 0
+    groups = np.zeros(6, dtype=np.uint8)
+    groups[np.clip(np.asarray(model.geom_group)[others & solid], 0, 5)] = 1
+    return groups

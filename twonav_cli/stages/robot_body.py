@@ -17,6 +17,8 @@ class RobotBody:
     def __init__(self, world: World, laser: RangeFinder, noise: OdometryNoise, rng: np.random.Generator) -> None:
         self.world = world
         self.touched: list[str] = []
+        self.collisions = 0
+        """Control periods that ended touching something, since the body was made."""
         self._laser = laser
         self._noise = noise
         self._rng = rng
@@ -31,6 +33,7 @@ class RobotBody:
         """Hold a velocity for a while and note what was touched."""
         self.world.drive(twist, duration_s)
         self.touched = self.world.touching()
+        self.collisions += bool(self.touched)
 
     def odometry(self) -> Pose:
         """Return the motion since the last call as the wheels report it, in the robot's frame (§3.1.3)."""

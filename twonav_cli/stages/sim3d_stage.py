@@ -7,7 +7,7 @@ controller trusts odometry from the last estimate.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,8 +35,8 @@ class Sim3dOptions:
     """What may differ between runs of the 3D stage."""
 
     base: str = "omni"
-    drive: DriveConfig = DriveConfig()
-    noise: OdometryNoise = OdometryNoise()
+    drive: DriveConfig = field(default_factory=DriveConfig)
+    noise: OdometryNoise = field(default_factory=OdometryNoise)
     image_every_tick: bool = False
     """Look through the camera in every control period (for watching; the agent does not see these)."""
     trace: bool = False
@@ -62,7 +62,6 @@ class Sim3dStage:
         self.frame: GridFrame = floor.maze_frame
         self.world = World(floor.scene, self.options.base)
         self.camera = Camera(self.world)
-        self.collisions = 0
         self._localize = localize
         self._laser = RangeFinder(self.world)
         self._body = RobotBody(self.world, self._laser, self.options.noise, stream(seed, "odometry"))
@@ -76,6 +75,11 @@ class Sim3dStage:
     def time_s(self) -> float:
         """Simulated time."""
         return float(self.world.time_s)
+
+    @property
+    def collisions(self) -> int:
+        """Control periods that ended touching something, since the stage was made."""
+        return self._body.collisions
 
     def place(self, cell: Cell) -> Observation:
         """Put the robot at the centre of a cell, with the scene's heading if the cell is a start."""
@@ -111,7 +115,6 @@ class Sim3dStage:
         target = self._beyond(here, action)
 
         def on_tick(believed: Pose, scan_m: FloatArray, trace: DriveTrace | None) -> None:
-            self.collisions += bool(self._body.touched)
             image = self.camera.image() if self.options.image_every_tick else None
             moment = replace(clock, time_s=self.time_s)
             sink(Tick(moment, self.world.pose(), believed, scan_m, trace, image))

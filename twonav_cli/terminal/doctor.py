@@ -28,7 +28,7 @@ def run_doctor(as_json: bool, warm_up: bool = False) -> int:
     report["checkpoints"] = _checkpoints()
     if warm_up:
         report["warm_up"] = _warm_up()
-    healthy = all("error" not in str(value) for value in _flat(report))
+    healthy = not any(str(value).startswith("error") for value in _flat(report))
     if as_json:
         print(json.dumps(report | {"healthy": healthy}))
     else:

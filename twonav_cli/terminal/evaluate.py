@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from twonav_cli.experiments.evaluation import PairResult, PairTable
 
 STAGES = ("maze", "3d", "localizer")
+BASES = ("omni", "differential")
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,8 @@ def run_evaluate(request: EvaluateRequest) -> int:
         raise TwonavError("the 2D simulator is not there yet: evaluate --stage maze, 3d or localizer")
     if request.stage not in STAGES:
         raise unknown_name("stage", request.stage, STAGES)
+    if request.base not in BASES:
+        raise unknown_name("base", request.base, BASES)
     if request.localizer not in ("raw", "truth"):
         raise unknown_name("localizer", request.localizer, ("raw", "truth"))
     floor = read_floor(request.scene)

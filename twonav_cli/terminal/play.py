@@ -123,8 +123,11 @@ def _drive(request: PlayRequest, sink: Sink, wishes: Wishes, path: Path | None, 
             stage, floor.maze_frame, agent, stream(request.seed, "explore"), to_all(recorder, sink), wishes
         )
         visits = journey.run(request.goals, start, stay)
-        reached = {visit.goal for visit in visits if visit.outcome == "reached"}
-        ended = RunEnded(Clock(len(visits), 0, stage.time_s), f"{len(reached)} of {len(visits)} goals reached")
+        reached = [visit.goal for visit in visits if visit.outcome == "reached"]
+        ended = RunEnded(
+            Clock(len(visits), sum(visit.steps for visit in visits), stage.time_s),
+            f"{len(reached)} of {len(visits)} goals reached",
+        )
         to_all(recorder, sink)(ended)
     return 0 if all(goal in reached for goal in request.goals) else 1
 

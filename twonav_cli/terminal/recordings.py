@@ -32,10 +32,6 @@ def recording(path: Path | None, stage: str, begun: RunStarted, every_trial: boo
         return
     from twonav_cli.recording.recorder import Recorder
 
-    path.parent.mkdir(parents=True, exist_ok=True)
-    recorder = Recorder(path, stage, every_trial=every_trial)
-    try:
+    with Recorder(path, stage, every_trial=every_trial) as recorder:
         recorder(begun)
         yield recorder
-    finally:
-        recorder.close()

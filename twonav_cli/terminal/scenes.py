@@ -17,7 +17,7 @@ def run_list(as_json: bool) -> int:
         rows = [
             {"name": s.name, "goals": list(s.goals), "starts": list(s.starts), "rooms": list(s.rooms)} for s in scenes
         ]
-        print(json.dumps(rows))
+        print(json.dumps({"scenes": rows}))
         return 0
     table = Table(box=None, pad_edge=False)
     for heading in ("scene", "map", "rooms", "goals", "starts"):

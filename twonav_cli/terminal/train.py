@@ -13,10 +13,10 @@ from twonav_cli.paths import runs_dir
 from twonav_cli.terminal.interrupt import StopOnInterrupt
 
 if TYPE_CHECKING:
-    from twonav_cli.learner.agent import Agent
     from twonav_cli.mapping.floor import Floor
 
 STAGES = ("maze", "localizer", "3d")
+BASES = ("omni", "differential")
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,8 @@ def run_train(request: TrainRequest) -> int:
         raise TwonavError("the 2D simulator is not there yet: train --stage maze, localizer or 3d")
     if request.stage not in STAGES:
         raise unknown_name("stage", request.stage, STAGES)
+    if request.base not in BASES:
+        raise unknown_name("base", request.base, BASES)
     from twonav_cli.mapping.floor import read_floor
 
     floor = read_floor(request.scene)

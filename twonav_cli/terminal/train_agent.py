@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from twonav_cli.config import learning_preset
-from twonav_cli.events import Clock, Event, GoalLearned, RunEnded, RunStarted, TrialBatch, TrialEnded, to_all
+from twonav_cli.events import Clock, Event, GoalLearned, RunEnded, RunStarted, Sink, TrialBatch, TrialEnded, to_all
 from twonav_cli.experiments.predecessors import checkpoint_folder, load_localize, make_stage
 from twonav_cli.experiments.trials import LearningOutcome, learn_in_stage, learn_maze
 from twonav_cli.learner.agent import Agent
@@ -37,6 +37,7 @@ def train_agent(
         TwonavError: The stage before is missing, or a checkpoint does not belong here.
     """
     agent = _agent(request, floor, folder)
+    stage = None if request.stage == "maze" else _stage_3d(request, floor)
     path = (
         (request.record or default_recording("train", floor.scene.name, request.stage)) if request.recording else None
     )
@@ -52,7 +53,10 @@ def train_agent(
             bar.update(task, completed=learned, result=numbers)
 
         sink = to_all(recorder, _ProgressSink(show, agent), saver)
-        result = _learn(request, floor, agent, sink, should_stop)
+        if stage is None:
+            result = learn_maze(agent, floor.maze, request.seed, sink, should_stop)
+        else:
+            result = _learn_3d(request, stage, agent, sink, should_stop)
         recorder(RunEnded(Clock(agent.progress.trial, agent.progress.step), result.outcome))
     metrics = _metrics(result)
     saver.save(metrics)
@@ -71,16 +75,17 @@ def _agent(request: TrainRequest, floor: Floor, folder: Path) -> Agent:
     return Agent.load(before, scene.digest, digest, config)
 
 
-def _learn(
-    request: TrainRequest, floor: Floor, agent: Agent, sink: Callable[[Event], None], should_stop: Callable[[], bool]
-) -> LearningOutcome:
-    if request.stage == "maze":
-        return learn_maze(agent, floor.maze, request.seed, sink, should_stop)
+def _stage_3d(request: TrainRequest, floor: Floor) -> Sim3dStage:
     from twonav_cli.stages.sim3d_stage import Sim3dOptions
 
     localize = load_localize(floor, own_first=True)
     options = Sim3dOptions(base=request.base, trace=request.recording)
-    stage: Sim3dStage = make_stage(floor, "3d", localize, request.seed, options)  # type: ignore[assignment]  # by name
+    return make_stage(floor, "3d", localize, request.seed, options)  # type: ignore[return-value]  # by name
+
+
+def _learn_3d(
+    request: TrainRequest, stage: Sim3dStage, agent: Agent, sink: Sink, should_stop: Callable[[], bool]
+) -> LearningOutcome:
     try:
         trials = QUICK_TRIALS_IN_3D if request.quick else TRIALS_IN_3D
         return learn_in_stage(stage, agent, request.seed, sink, should_stop, trials)
@@ -118,17 +123,20 @@ class _ProgressSink:
     """Shows trials, actions, success and goals learned as they come."""
 
     def __init__(self, show: Callable[[int, str], None], agent: Agent) -> None:
-        self._show, self._agent = show, agent
+        self._show = show
+        self._learned = int(agent.progress.learned.sum())
         self._recent: list[bool] = []
+        show(self._learned, "")
 
     def __call__(self, event: Event) -> None:
         if isinstance(event, TrialEnded):
             self._recent = [*self._recent[-99:], event.outcome == "reached"]
         elif isinstance(event, TrialBatch):
             self._recent = [bool(reached) for reached in event.reached[-100:]]
-        elif not isinstance(event, GoalLearned):
+        elif isinstance(event, GoalLearned):
+            self._learned += 1
+        else:
             return
-        learned = int(self._agent.progress.learned.sum())
         share = sum(self._recent) / max(len(self._recent), 1)
         recent = f"success of the last {len(self._recent)}: {share:.0%}"
-        self._show(learned, f"trial {event.clock.trial}, action {event.clock.step}, {recent}")
+        self._show(self._learned, f"trial {event.clock.trial}, action {event.clock.step}, {recent}")

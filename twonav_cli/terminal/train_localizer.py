@@ -56,7 +56,8 @@ def train_localizer(
                 found = event.metrics
                 bar.console.print(
                     f"batch {event.clock.step}: held-out poses, median {found['pos_median_m']:.3f} m "
-                    f"{found['ang_median_deg']:.2f} deg, mean {found['pos_mean_m']:.3f} m {found['ang_mean_deg']:.2f} deg"
+                    f"{found['ang_median_deg']:.2f} deg, mean {found['pos_mean_m']:.3f} m "
+                    f"{found['ang_mean_deg']:.2f} deg"
                 )
 
         sink = to_all(recorder, show)

@@ -1,0 +1,275 @@
+"""Goals one after another, with a person who changes their mind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from twonav_cli.config import learning_preset
+from twonav_cli.errors import TwonavError
+from twonav_cli.events import (
+    Clock,
+    Event,
+    GoalChosen,
+    Kidnapped,
+    Note,
+    QSnapshot,
+    Sink,
+    StepTaken,
+    Tick,
+    TrialEnded,
+    TrialStarted,
+)
+from twonav_cli.experiments.journey import Journey, NoWishes, Visit
+from twonav_cli.geometry import Pose
+from twonav_cli.grid import Cell, GridFrame
+from twonav_cli.learner.agent import Agent
+from twonav_cli.maze import Action, Maze
+from twonav_cli.stages.maze_stage import MazeStage
+from twonav_cli.stages.stage import ActionResult, Observation
+
+CORRIDOR = Maze(np.zeros((1, 7), dtype=np.bool_), {"left": Cell(0, 0), "right": Cell(0, 6)}, {"middle": Cell(0, 3)})
+FRAME = GridFrame(-0.4, 0.0, 0.4, 1, 7)
+
+
+class FakeWishes(NoWishes):
+    """Answers from a script: at which look (0 is before the first action) what is wanted."""
+
+    def __init__(self, **script: dict[int, object]) -> None:
+        super().__init__()
+        self.looks = -1
+        self.goals, self.kidnaps = script.get("goals", {}), script.get("kidnaps", {})
+        self.moves, self.leaving = script.get("moves", {}), script.get("leaving", {})
+        self.afterwards: list[str | None] = []
+
+    def wait_for_permission(self) -> None:
+        self.looks += 1
+
+    def next_goal(self, wait: bool) -> str | None:
+        if wait:
+            return self.afterwards.pop(0) if self.afterwards else None
+        goal = self.goals.pop(self.looks, None)
+        return None if goal is None else str(goal)
+
+    def take_kidnap(self) -> bool:
+        return bool(self.kidnaps.pop(self.looks, False))
+
+    def take_move(self) -> int | None:
+        move = self.moves.pop(self.looks, None)
+        return None if move is None else int(str(move))
+
+    def left(self) -> bool:
+        return self.looks in self.leaving
+
+
+@pytest.fixture
+def agent() -> Agent:
+    """Return an agent that knows the corridor and takes the best action only."""
+    config = replace(learning_preset("maze"), exploration="epsilon-greedy", epsilon=0.0, trial_limit_steps=40)
+    agent = Agent.for_maze(CORRIDOR, config)
+    for _ in range(30):
+        for cell in CORRIDOR.free_cells:
+            for action in Action:
+                after = CORRIDOR.moved(cell, action)
+                agent.observe(cell, action, after, after == cell)
+    return agent
+
+
+Travel = Callable[..., tuple[list[Visit], list[Event]]]
+
+
+@pytest.fixture
+def travel(agent: Agent) -> Travel:
+    """Return a function that makes a journey and returns the visits and the events."""
+
+    def go(*goals: str, wishes: NoWishes | None = None, stay: bool = False) -> tuple[list[Visit], list[Event]]:
+        events: list[Event] = []
+        rng = np.random.default_rng(0)
+        journey = Journey(MazeStage(CORRIDOR), FRAME, agent, rng, events.append, wishes or NoWishes())
+        return journey.run(goals, CORRIDOR.starts["middle"], stay), events
+
+    return go
+
+
+def of_kind(events: list[Event], kind: type[Event]) -> list[Event]:
+    return [event for event in events if isinstance(event, kind)]
+
+
+def test_goals_are_visited_in_order_from_where_the_one_before_ended(travel: Travel) -> None:
+    visits, _ = travel("right", "left", "right")
+    assert visits == [
+        Visit("right", "reached", 3, 3),
+        Visit("left", "reached", 6, 6),
+        Visit("right", "reached", 6, 6),
+    ]
+
+
+def test_a_goal_that_the_robot_stands_in_is_reached_without_an_action(travel: Travel) -> None:
+    visits, events = travel("right", "right")
+    assert visits[1] == Visit("right", "reached", 0, 0)
+    assert len(of_kind(events, StepTaken)) == 3
+
+
+def test_events_tell_goal_start_steps_and_end_in_this_order(travel: Travel) -> None:
+    _, events = travel("right")
+    kinds = [type(event) for event in events]
+    assert kinds == [QSnapshot, GoalChosen, QSnapshot, TrialStarted, *[StepTaken] * 3, TrialEnded]
+    assert [event.clock for event in events[4:]] == [*(Clock(0, step) for step in (1, 2, 3)), Clock(0, 3)]
+
+
+def test_the_trial_counts_goals_and_the_step_counts_on(travel: Travel) -> None:
+    _, events = travel("right", "left")
+    steps = of_kind(events, StepTaken)
+    assert [step.clock.trial for step in steps] == [0] * 3 + [1] * 6
+    assert [step.clock.step for step in steps] == list(range(1, 10))
+
+
+def test_a_goal_that_is_asked_for_on_the_way_comes_next_and_at_once(travel: Travel) -> None:
+    visits, _ = travel("right", "right", wishes=FakeWishes(goals={2: "left"}))
+    assert visits == [
+        Visit("right", "given-up", 2, 3),
+        Visit("left", "reached", 5, 5),
+        Visit("right", "reached", 6, 6),
+    ]
+
+
+def test_giving_up_is_no_failure_to_be_explained(travel: Travel) -> None:
+    _, events = travel("right", wishes=FakeWishes(goals={1: "left"}))
+    ended = of_kind(events, TrialEnded)[0]
+    assert isinstance(ended, TrialEnded)
+    assert (ended.outcome, ended.cause, ended.evidence) == ("given-up", "", "")
+
+
+def test_a_goal_that_is_asked_for_on_arrival_does_not_undo_the_arrival(travel: Travel) -> None:
+    visits, _ = travel("right", wishes=FakeWishes(goals={3: "left"}))
+    assert visits == [Visit("right", "reached", 3, 3), Visit("left", "reached", 6, 6)]
+
+
+def test_asking_for_the_present_goal_again_changes_nothing(travel: Travel) -> None:
+    visits, _ = travel("right", wishes=FakeWishes(goals={1: "right"}))
+    assert visits == [Visit("right", "reached", 3, 3)]
+
+
+def test_an_unknown_goal_on_the_way_is_noted_and_the_robot_drives_on(travel: Travel) -> None:
+    visits, events = travel("right", wishes=FakeWishes(goals={1: "rigth"}))
+    assert visits == [Visit("right", "reached", 3, 3)]
+    (note,) = of_kind(events, Note)
+    assert isinstance(note, Note)
+    assert note.level == "WARN"
+    assert "did you mean 'right'" in note.text
+
+
+def test_an_unknown_goal_at_the_start_is_refused_before_anything_happens(travel: Travel) -> None:
+    with pytest.raises(TwonavError, match="did you mean 'left'"):
+        travel("right", "lefft")
+
+
+def test_who_stays_is_asked_for_further_goals_and_wrong_ones_are_noted(travel: Travel) -> None:
+    wishes = FakeWishes()
+    wishes.afterwards = ["nowhere", "left", None]
+    visits, events = travel("right", wishes=wishes, stay=True)
+    assert [visit.goal for visit in visits] == ["right", "left"]
+    assert len(of_kind(events, Note)) == 1
+
+
+def test_who_does_not_stay_is_not_waited_for(travel: Travel) -> None:
+    wishes = FakeWishes()
+    wishes.afterwards = ["left"]
+    visits, _ = travel("right", wishes=wishes, stay=False)
+    assert [visit.goal for visit in visits] == ["right"]
+
+
+def test_a_kidnapped_robot_finds_its_goal_from_where_it_was_carried(travel: Travel) -> None:
+    visits, events = travel("right", wishes=FakeWishes(kidnaps={2: True}))
+    (carried,) = of_kind(events, Kidnapped)
+    assert isinstance(carried, Kidnapped)
+    assert carried.pose_before == Pose(*FRAME.centre_of(Cell(0, 5)), 0.0)
+    cell = FRAME.cell_at(carried.pose_after.x_m, carried.pose_after.y_m)
+    assert cell != Cell(0, 5)
+    assert visits == [Visit("right", "reached", 2 + 6 - cell.col, 3)]
+
+
+def test_a_move_by_hand_replaces_the_agents_action_once(travel: Travel) -> None:
+    visits, events = travel("right", wishes=FakeWishes(moves={1: int(Action.LEFT)}))
+    actions = [step.action for step in of_kind(events, StepTaken) if isinstance(step, StepTaken)]
+    assert actions == [Action.RIGHT, Action.LEFT, Action.RIGHT, Action.RIGHT, Action.RIGHT]
+    assert visits == [Visit("right", "reached", 5, 3)]
+
+
+def test_a_move_by_hand_against_a_wall_is_blocked_and_learned(travel: Travel, agent: Agent) -> None:
+    before = agent.values(Cell(0, 3), 1)[Action.UP]
+    _, events = travel("right", wishes=FakeWishes(moves={0: int(Action.UP)}))
+    first = of_kind(events, StepTaken)[0]
+    assert isinstance(first, StepTaken)
+    assert (first.outcome, first.next_cell) == ("blocked", Cell(0, 3))
+    assert first.q_values[Action.UP] == before
+
+
+def test_leaving_ends_the_journey_with_the_visits_so_far(travel: Travel) -> None:
+    visits, events = travel("right", "left", wishes=FakeWishes(leaving={6: True}))
+    assert visits == [Visit("right", "reached", 3, 3)]
+    assert len(of_kind(events, StepTaken)) == 3 + 2
+    assert len(of_kind(events, TrialEnded)) == 1
+
+
+def test_a_trial_ends_when_its_actions_are_used_up(travel: Travel, agent: Agent) -> None:
+    agent.config = replace(agent.config, trial_limit_steps=2)
+    visits, events = travel("right")
+    assert visits == [Visit("right", "time-out", 2, 3)]
+    ended = of_kind(events, TrialEnded)[0]
+    assert isinstance(ended, TrialEnded)
+    assert ended.cause == "time-out"
+
+
+def test_the_agent_goes_on_learning(travel: Travel, agent: Agent) -> None:
+    before = agent.table()
+    agent.q[0, 4, Action.RIGHT, 1] = 99.0
+    travel("right")
+    assert agent.table() == pytest.approx(before)
+
+
+class LostStage(MazeStage):
+    """The robot believes to be one cell further right than it is, in no free cell at first."""
+
+    def place(self, cell: Cell) -> Observation:
+        super().place(cell)
+        return Observation(cell, Cell(1, 0))
+
+    def act(self, action: int, clock: Clock, sink: Sink) -> ActionResult:
+        result = super().act(action, clock, sink)
+        sink(Tick(clock, Pose(0, 0, 0), Pose(0, 0, 0), np.zeros(180)))
+        seen = result.observation
+        return replace(result, observation=Observation(Cell(0, min(seen.cell.col + 1, 6)), seen.cell))
+
+
+@pytest.fixture
+def lost(agent: Agent) -> tuple[list[Visit], list[Event]]:
+    blocked = np.array([[False] * 7, [True] * 7])
+    maze = Maze(blocked, CORRIDOR.goals, CORRIDOR.starts)
+    padded = Agent.for_maze(maze, agent.config)
+    padded.q[0] = agent.q[0]
+    events: list[Event] = []
+    journey = Journey(LostStage(maze), FRAME, padded, np.random.default_rng(0), events.append, NoWishes())
+    return journey.run(["right"], Cell(0, 3), stay=False), events
+
+
+def test_believing_to_have_arrived_elsewhere_is_a_false_arrival(lost: tuple[list[Visit], list[Event]]) -> None:
+    visits, events = lost
+    assert visits[0].outcome == "false-arrival"
+    ended = of_kind(events, TrialEnded)[0]
+    assert isinstance(ended, TrialEnded)
+    assert ended.cause == "mislocalized"
+
+
+def test_a_robot_in_no_free_cell_has_the_shortest_way_of_where_it_believes_to_be(
+    lost: tuple[list[Visit], list[Event]],
+) -> None:
+    assert lost[0][0].shortest == 3
+
+
+def test_the_ticks_of_an_action_carry_its_number(lost: tuple[list[Visit], list[Event]]) -> None:
+    _, events = lost
+    assert [tick.clock.step for tick in of_kind(events, Tick)] == [s.clock.step for s in of_kind(events, StepTaken)]
