@@ -103,7 +103,7 @@ class Visit:
 
 
 class Journey:
-    """Drives to goals in a stage and keeps learning on the way (alpha 0.8, epsilon 0.1 in 3D, §4.3)."""
+    """Drives to goals in a stage, greedily, and keeps learning on the way (alpha 0.8 in 3D, §4.3)."""
 
     def __init__(
         self, stage: Stage, frame: GridFrame, agent: Agent, rng: np.random.Generator, sink: Sink, wishes: Wishes
@@ -172,7 +172,7 @@ class Journey:
     def _take_step(self, goal: str, index: int) -> Passed:
         before = self._seen
         by_hand = self._wishes.take_move()
-        action, greedy = self.agent.choose(before.cell, index, self._rng)
+        action, greedy = self.agent.choose(before.cell, index, self._rng, explore=False)
         action = action if by_hand is None else by_hand
         values = self.agent.values(before.cell, index).copy()
         self._step += 1  # the ticks of an action carry its number, as in `run_trial`
@@ -223,9 +223,9 @@ class Journey:
         return int(distances[self._seen.cell]) if true == UNREACHABLE else true
 
     def _kidnap(self) -> None:
-        """Carry the robot to a free cell at random, without telling it."""
+        """Carry the robot to another free cell at random, without telling it."""
         before = self._seen.pose_true or Pose(*self.frame.centre_of(self._seen.true_cell), 0.0)
-        free = self.maze.free_cells
+        free = [cell for cell in self.maze.free_cells if cell != self._seen.true_cell] or self.maze.free_cells
         self._seen = self.stage.place(free[int(self._rng.integers(len(free)))])
         after = self._seen.pose_true or Pose(*self.frame.centre_of(self._seen.true_cell), 0.0)
         self._sink(Kidnapped(self._clock(), before, after))

@@ -73,6 +73,9 @@ def train(
     record: RecordOption = None,
     no_record: NoRecordOption = False,
     quick: Annotated[bool, typer.Option("--quick", help="A small run that shows that everything works.")] = False,
+    images: Annotated[
+        int | None, typer.Option("--images", min=1, help="Pictures shown in all, repeats included (localizer only).")
+    ] = None,
     base: BaseOption = "omni",
     json_: JsonOption = False,
 ) -> None:

@@ -31,12 +31,15 @@ class TrainRequest:
     record: Path | None = None
     recording: bool = True
     quick: bool = False
+    images: int | None = None
     base: str = "omni"
     as_json: bool = False
 
     def command(self) -> str:
         """Return the command that repeats this run."""
         parts = ["twonav train", "--stage", self.stage, "--scene", self.scene, "--seed", str(self.seed)]
+        if self.images is not None:
+            parts += ["--images", str(self.images)]
         if self.stage == "3d":
             parts += ["--base", self.base]
         return " ".join(parts + (["--quick"] if self.quick else []))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +42,7 @@ def train_localizer(
     if store is None:
         return "stopped", {}
     config = QUICK_TRAINING if request.quick else TrainingConfig()
+    config = replace(config, images=request.images or config.images)
     path = (request.record or default_recording("train", floor.scene.name, "localizer")) if request.recording else None
     begun = RunStarted(Clock(), "train", "localizer", floor.scene.name, request.seed, {"frames": str(len(store))})
     with progress() as bar, recording(path, "localizer", begun) as recorder:

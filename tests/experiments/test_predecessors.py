@@ -1,0 +1,113 @@
+"""Which checkpoint a command starts from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from twonav_cli.checkpoint import CARD_FILE
+from twonav_cli.config import learning_preset
+from twonav_cli.errors import TwonavError
+from twonav_cli.experiments import predecessors
+from twonav_cli.experiments.predecessors import checkpoint_folder, load_agent, load_localize, make_stage
+from twonav_cli.learner.agent import Agent
+from twonav_cli.mapping.floor import Floor, read_floor
+from twonav_cli.stages.maze_stage import MazeStage
+
+
+@pytest.fixture
+def places(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]:
+    """Return the folders of the shipped checkpoints and of the user's own runs, both empty."""
+    shipped, own = tmp_path / "shipped", tmp_path / "own"
+    monkeypatch.setattr(predecessors, "checkpoints_dir", lambda: shipped)
+    monkeypatch.setattr(predecessors, "runs_dir", lambda: own)
+    return shipped, own
+
+
+@pytest.fixture(scope="module")
+def floor(tmp_path_factory: pytest.TempPathFactory) -> Floor:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TWONAV_RUNS", str(tmp_path_factory.mktemp("runs")))
+        return read_floor("kitchen")
+
+
+def put_card(folder: Path) -> Path:
+    folder.mkdir(parents=True)
+    (folder / CARD_FILE).write_text("{}")
+    return folder
+
+
+def put_agent(folder: Path, floor: Floor, value: float) -> Path:
+    agent = Agent.for_maze(floor.maze, learning_preset("maze"))
+    agent.q[:] = value
+    card = {
+        "scene": "kitchen",
+        "scene_digest": floor.scene.digest,
+        "map_digest": floor.map.digest,
+        "command": "test",
+        "seed": 0,
+        "metrics": {},
+    }
+    return agent.save(folder, card)
+
+
+def test_the_shipped_checkpoint_goes_before_the_own_one_unless_asked_otherwise(places: tuple[Path, Path]) -> None:
+    shipped, own = (put_card(place / "kitchen" / "maze") for place in places)
+    assert checkpoint_folder("kitchen", "maze") == shipped
+    assert checkpoint_folder("kitchen", "maze", own_first=True) == own
+
+
+def test_the_own_checkpoint_is_found_where_none_is_shipped(places: tuple[Path, Path]) -> None:
+    own = put_card(places[1] / "kitchen" / "maze")
+    assert checkpoint_folder("kitchen", "maze") == own
+
+
+def test_where_a_folder_is_named_only_that_one_counts(places: tuple[Path, Path], tmp_path: Path) -> None:
+    put_card(places[0] / "kitchen" / "maze")
+    chosen = put_card(tmp_path / "chosen" / "maze").parent
+    assert checkpoint_folder("kitchen", "maze", chosen) == chosen / "maze"
+    with pytest.raises(TwonavError, match=r"no localizer checkpoint in .*chosen"):
+        checkpoint_folder("kitchen", "localizer", chosen)
+
+
+def test_a_missing_checkpoint_is_answered_with_the_command_that_makes_it(places: tuple[Path, Path]) -> None:
+    with pytest.raises(TwonavError, match=r"`twonav train --stage localizer --scene kitchen`"):
+        checkpoint_folder("kitchen", "localizer")
+
+
+def test_3d_takes_its_own_agent_else_that_of_the_maze(places: tuple[Path, Path], floor: Floor) -> None:
+    put_agent(places[0] / "kitchen" / "maze", floor, 1.0)
+    assert load_agent(floor, "3d").q.max() == 1.0
+    put_agent(places[0] / "kitchen" / "3d", floor, 3.0)
+    assert load_agent(floor, "3d").q.max() == 3.0
+    assert load_agent(floor, "maze").q.max() == 1.0
+
+
+def test_the_settings_are_those_of_the_stage_that_is_played(places: tuple[Path, Path], floor: Floor) -> None:
+    put_agent(places[0] / "kitchen" / "maze", floor, 1.0)
+    assert load_agent(floor, "3d").config == learning_preset("3d")
+    assert load_agent(floor, "maze").config == learning_preset("maze")
+
+
+def test_an_agent_of_another_map_is_refused(places: tuple[Path, Path], floor: Floor) -> None:
+    folder = put_agent(places[0] / "kitchen" / "maze", floor, 1.0)
+    agent = Agent.load(folder)
+    card = {"scene": "kitchen", "scene_digest": floor.scene.digest, "map_digest": "f" * 16}
+    agent.save(folder, {**card, "command": "test", "seed": 0, "metrics": {}})
+    with pytest.raises(TwonavError, match="another map"):
+        load_agent(floor, "maze")
+
+
+def test_a_missing_localizer_is_answered_with_the_command_that_makes_it(
+    places: tuple[Path, Path], floor: Floor
+) -> None:
+    with pytest.raises(TwonavError, match="train --stage localizer"):
+        load_localize(floor)
+
+
+def test_the_maze_stage_is_that_of_the_floor(floor: Floor) -> None:
+    stage = make_stage(floor, "maze", None, 0)
+    assert isinstance(stage, MazeStage)
+    assert np.array_equal(stage.maze.blocked, floor.maze.blocked)
