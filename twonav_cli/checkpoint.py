@@ -20,9 +20,6 @@ from twonav_cli.errors import TwonavError
 from twonav_cli.files import write_whole
 
 FORMAT = 2
-UNSIGNED_FORMAT = 1
-"""The format before: its card has no checksum of itself."""
-
 ARRAYS_FILE = "arrays.safetensors"
 CARD_FILE = "card.json"
 
@@ -89,10 +86,10 @@ def read_card(folder: Path) -> Card:
         raise TwonavError(
             f"{path} is not a checkpoint card ({str(error).splitlines()[0]}): restore it or train again"
         ) from error
-    known = isinstance(card, dict) and card.get("format") in (FORMAT, UNSIGNED_FORMAT)
+    known = isinstance(card, dict) and card.get("format") == FORMAT
     if not known or "sha256" not in card or "kind" not in card:
         raise TwonavError(f"{path} is not a checkpoint card of this version of twonav: train again")
-    if card["format"] == FORMAT and signed(card) != card:
+    if signed(card) != card:
         raise TwonavError(f"{path} is damaged (its checksum is not its own): restore it or train again")
     return dict(card)
 

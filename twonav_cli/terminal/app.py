@@ -84,7 +84,7 @@ def train(
 
     request = TrainRequest(
         stage=stage, scene=scene, seed=seed, resume=resume, out=out, record=record, recording=not no_record,
-        quick=quick, base=base, as_json=json_,
+        quick=quick, images=images, base=base, as_json=json_,
     )  # fmt: skip
     raise typer.Exit(run_train(request))
 
