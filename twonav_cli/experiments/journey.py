@@ -179,7 +179,8 @@ class Journey:
         result = self.stage.act(action, self._clock(), self._paced)
         self._seen = result.observation
         blocked = result.outcome != REACHED or self._seen.cell == before.cell
-        td_errors = self.agent.observe(before.cell, action, self._seen.cell, blocked)
+        learning = self.agent.observe if result.plausible else self.agent.td_errors
+        td_errors = learning(before.cell, action, self._seen.cell, blocked)
         step = StepTaken(
             self._clock(), goal, before.cell, action, self._seen.cell, result.outcome, values, td_errors, greedy,
             self._seen.true_cell, self._seen.pose_true, self._seen.pose_estimate, self._seen.image,

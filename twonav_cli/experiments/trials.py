@@ -332,7 +332,7 @@ def _take_step(
     result = stage.act(action, clock, sink)
     seen = result.observation
     blocked = result.outcome != REACHED or seen.cell == before.cell
-    learning = agent.observe if learn else agent.td_errors
+    learning = agent.observe if learn and result.plausible else agent.td_errors
     td_errors = learning(before.cell, action, seen.cell, blocked)
     sink(
         StepTaken(

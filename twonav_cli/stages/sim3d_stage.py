@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from twonav_cli.config import DriveConfig, OdometryNoise
 from twonav_cli.events import Clock, DriveTrace, Sink, Tick
-from twonav_cli.geometry import FloatArray, Pose
+from twonav_cli.geometry import FloatArray, Pose, distance_m, wrap_angle
 from twonav_cli.grid import Cell, GridFrame
 from twonav_cli.mapping.floor import Floor
 from twonav_cli.maze import Maze
@@ -25,6 +25,10 @@ from twonav_cli.scene.laser import RangeFinder
 from twonav_cli.scene.world import World
 from twonav_cli.stages.robot_body import RobotBody
 from twonav_cli.stages.stage import ActionResult, Observation
+
+AGREE_M, AGREE_RAD = 0.30, 0.5
+"""A look and the odometry since the look before agree within this; odometry itself errs by 1 or 2 cm on one cell, the
+localizer by 13 cm in 95 % of its estimates (ours)."""
 
 Image = NDArray[np.uint8]
 Localize = Callable[[Image], Pose]
@@ -119,8 +123,9 @@ class Sim3dStage:
             moment = replace(clock, time_s=self.time_s)
             sink(Tick(moment, self.world.pose(), believed, scan_m, trace, image))
 
-        outcome, _ = self._driver.drive_to(self._body, self._believed, target, on_tick, self.options.trace)
-        return ActionResult(outcome, self.look())
+        outcome, expected = self._driver.drive_to(self._body, self._believed, target, on_tick, self.options.trace)
+        seen = self.look()
+        return ActionResult(outcome, seen, _agree(expected, self._believed))
 
     def _beyond(self, cell: Cell, action: int) -> tuple[float, float]:
         """Return the centre of the neighbouring place, also where that is no free cell."""
@@ -132,6 +137,12 @@ class Sim3dStage:
     def close(self) -> None:
         """Give back the renderer."""
         self.camera.close()
+
+
+def _agree(expected: Pose, estimate: Pose) -> bool:
+    """Return whether an estimate is where odometry says that the robot has driven to."""
+    turned_rad = abs(wrap_angle(estimate.theta_rad - expected.theta_rad))
+    return distance_m(expected, estimate) < AGREE_M and turned_rad < AGREE_RAD
 
 
 def _nearest_free_cells(maze: Maze) -> dict[Cell, Cell]:

@@ -38,6 +38,9 @@ class ActionResult:
 
     outcome: str
     observation: Observation
+    plausible: bool = True
+    """Whether odometry agrees with the looks before and after; if not, one of them was wrong, and the cells say nothing
+    about what the action does."""
 
 
 class Stage(Protocol):
