@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: play test check format clean
+.PHONY: play test format clean
 
 play: $(VENV)/.installed
 	$(BIN)/twonav play --goal kitchen

@@ -2,6 +2,7 @@
 # The camera draws with OpenGL. On Linux without a display it needs EGL (or OSMesa) with Mesa's software driver:
 # install them where that is possible (Debian and its children, as root), otherwise print the one command to type.
 set -u
+PATH=$PATH:/sbin:/usr/sbin # ldconfig is there, and an ordinary user has no such path
 packages="libegl1 libopengl0 libgl1 libgl1-mesa-dri"
 [ "$(uname -s)" = Linux ] || exit 0
 have() { ldconfig -p 2>/dev/null | grep -q "$1"; }

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from twonav_cli.checkpoint import ARRAYS_FILE, CARD_FILE, load_checkpoint, save_checkpoint
+from twonav_cli.checkpoint import ARRAYS_FILE, CARD_FILE, load_checkpoint, save_checkpoint, signed
 from twonav_cli.config import LearningConfig
 from twonav_cli.errors import TwonavError
 from twonav_cli.grid import Cell
@@ -215,6 +215,6 @@ def test_a_card_that_does_not_describe_the_agent_is_refused(
 ) -> None:
     agent.save(tmp_path, CARD)
     card = json.loads((tmp_path / CARD_FILE).read_text())
-    (tmp_path / CARD_FILE).write_text(json.dumps({**card, key: value}))
+    (tmp_path / CARD_FILE).write_text(json.dumps(signed({**card, key: value})))
     with pytest.raises(TwonavError, match="incomplete"):
         Agent.load(tmp_path)

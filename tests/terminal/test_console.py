@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+
 import pytest
 
 from twonav_cli.terminal import console
@@ -28,3 +30,14 @@ def test_no_color_and_a_dumb_terminal_refuse_colour(
     monkeypatch.setenv("NO_COLOR", no_colour)
     monkeypatch.setenv("TERM", term)
     assert console.colour_refused() is refused
+
+
+def test_the_progress_bar_shows_the_numbers_that_matter(monkeypatch: pytest.MonkeyPatch) -> None:
+    from rich.console import Console
+
+    written = io.StringIO()
+    monkeypatch.setattr(console, "err", lambda: Console(file=written, force_terminal=True, width=120))
+    with console.progress() as bar:
+        task = bar.add_task("frames", total=2, result="")
+        bar.update(task, completed=1, result="loss 1.25")
+    assert "loss 1.25" in written.getvalue()

@@ -44,7 +44,7 @@ class Wishes(Protocol):
     """What a person may want during a journey; the play screen implements it with a queue."""
 
     def next_goal(self, wait: bool) -> str | None:
-        """Return a newly asked-for goal, if any; with `wait`, block until there is one or the person leaves."""
+        """Return a newly asked-for goal, if any; with `wait`, block until the person wants anything or leaves."""
 
     def take_kidnap(self) -> bool:
         """Whether the robot is to be carried elsewhere, once."""
@@ -142,9 +142,10 @@ class Journey:
         try:
             while True:
                 goal = waiting.popleft() if waiting else self._asked_for(wait=stay)
-                if goal is None:
+                if goal is not None:
+                    self._visit(goal, waiting)
+                elif not (stay and self._done_while_idle()):
                     return self.visits
-                self._visit(goal, waiting)
         except JourneyLeftError:
             return self.visits
 
@@ -156,7 +157,7 @@ class Journey:
         self._sink(TrialStarted(self._clock(), goal, start, self._seen.pose_true))
         passed: list[Passed] = []
         outcome = "time-out"
-        while self._step - begun < self.agent.config.trial_limit_steps:
+        while True:
             asked = self._between_actions()
             if asked is not None and asked != goal:
                 waiting.appendleft(asked)
@@ -165,6 +166,8 @@ class Journey:
                 break
             if asked is not None and asked != goal:
                 outcome = "given-up"
+                break
+            if self._step - begun >= self.agent.config.trial_limit_steps:
                 break
             passed.append(self._take_step(goal, index))
         self._end_trial(goal, start, outcome, self._step - begun, shortest, passed)
@@ -208,6 +211,18 @@ class Journey:
         if self._wishes.take_kidnap():
             self._kidnap()
         return self._asked_for(wait=False)
+
+    def _done_while_idle(self) -> bool:
+        """Do what the person wants while the robot has no goal; return whether there was anything."""
+        if self._wishes.left():
+            return False
+        if self._wishes.take_kidnap():
+            self._kidnap()
+            return True
+        if self._wishes.take_move() is not None:
+            self._sink(Note(self._clock(), "INFO", "name a goal first, then take the wheel"))
+            return True
+        return False
 
     def _asked_for(self, wait: bool) -> str | None:
         """Return the next goal that the person asks for; an unknown one is only noted."""

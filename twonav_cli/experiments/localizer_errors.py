@@ -40,7 +40,8 @@ def localizer_errors(
         progress: Told (frames done, frames wanted).
 
     Returns:
-        "off_grid" and "paper_split", each with n, mean, median and percentiles of the errors.
+        "off_grid" and "paper_split", each with n, mean, median and percentiles of the errors; and, from the card, the
+        same for the pose of the most alike training frame.
     """
     card = read_card(folder)
     estimator = Estimator.load(folder, floor.scene.digest)
@@ -65,6 +66,9 @@ def localizer_errors(
 
     report = {"off_grid": errors(off_grid, 0), "paper_split": errors(trained.poses[drawn], len(off_grid))}
     camera.close()
+    nearest = card["metrics"].get("off_grid_nearest_frame")
+    if nearest:
+        report["off_grid_nearest_frame"] = nearest  # measured after training, where the training frames are
     return {**report, "settings": {"scene": floor.scene.name, "seed": seed, "trained_with_seed": card["seed"]}}
 
 

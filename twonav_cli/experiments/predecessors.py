@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from twonav_cli.checkpoint import CARD_FILE
+from twonav_cli.checkpoint import CARD_FILE, read_card
 from twonav_cli.errors import TwonavError
 from twonav_cli.geometry import Pose
 from twonav_cli.paths import checkpoints_dir, runs_dir
@@ -29,7 +29,9 @@ STAGE_BEFORE = {"3d": "maze"}
 """The stage whose agent a stage goes on from (2d comes between them once it exists)."""
 
 
-def checkpoint_folder(scene: str, name: str, chosen: Path | None = None, own_first: bool = False) -> Path:
+def checkpoint_folder(
+    scene: str, name: str, chosen: Path | None = None, own_first: bool = False, scene_digest: str | None = None
+) -> Path:
     """Return the folder of a scene's checkpoint.
 
     Args:
@@ -37,19 +39,30 @@ def checkpoint_folder(scene: str, name: str, chosen: Path | None = None, own_fir
         name: "maze", "3d" or "localizer".
         chosen: Folder of a scene's checkpoints that the user named; then only this one counts.
         own_first: Whether a run of the user's own goes before the shipped one (training does, playing does not).
+        scene_digest: The scene it should be for: one that is for another scene of that name comes last.
 
     Raises:
         TwonavError: There is none; the message says which command makes it.
     """
     shipped, own = checkpoints_dir() / scene / name, runs_dir() / scene / name
     candidates = [chosen / name] if chosen is not None else [own, shipped] if own_first else [shipped, own]
-    for folder in candidates:
-        if (folder / CARD_FILE).is_file():
-            return folder
+    found = [folder for folder in candidates if (folder / CARD_FILE).is_file()]
+    if found:
+        return next((folder for folder in found if _is_for(folder, scene_digest)), found[0])
     where = f"in {chosen}" if chosen is not None else f"for scene {scene!r}"
     raise TwonavError(
         f"there is no {name} checkpoint {where}: make it with `twonav train --stage {name} --scene {scene}`"
     )
+
+
+def _is_for(folder: Path, scene_digest: str | None) -> bool:
+    """Return whether a checkpoint's card names the scene; one that cannot be read is left for the loader to refuse."""
+    if scene_digest is None:
+        return True
+    try:
+        return bool(read_card(folder).get("scene_digest") == scene_digest)
+    except TwonavError:
+        return False
 
 
 def load_agent(floor: Floor, stage: str, chosen: Path | None = None, own_first: bool = False) -> Agent:
@@ -64,11 +77,11 @@ def load_agent(floor: Floor, stage: str, chosen: Path | None = None, own_first: 
     from twonav_cli.learner.agent import Agent
 
     try:
-        folder = checkpoint_folder(floor.scene.name, stage, chosen, own_first)
+        folder = checkpoint_folder(floor.scene.name, stage, chosen, own_first, floor.scene.digest)
     except TwonavError:
         if stage not in STAGE_BEFORE:
             raise
-        folder = checkpoint_folder(floor.scene.name, STAGE_BEFORE[stage], chosen, own_first)
+        folder = checkpoint_folder(floor.scene.name, STAGE_BEFORE[stage], chosen, own_first, floor.scene.digest)
     return Agent.load(folder, floor.scene.digest, floor.map.digest, learning_preset(stage))
 
 
@@ -80,7 +93,7 @@ def load_localize(floor: Floor, chosen: Path | None = None, own_first: bool = Fa
     """
     from twonav_cli.localizer.estimator import Estimator
 
-    folder = checkpoint_folder(floor.scene.name, "localizer", chosen, own_first)
+    folder = checkpoint_folder(floor.scene.name, "localizer", chosen, own_first, floor.scene.digest)
     estimator = Estimator.load(folder, floor.scene.digest)
     return lambda image: estimator.estimate(image).pose
 

@@ -24,10 +24,14 @@ def _loads(library: str) -> bool:
     return True
 
 
+RENDERER_PACKAGES = "libegl1 libopengl0 libgl1 libgl1-mesa-dri"
+"""Debian's packages of EGL and Mesa's software driver; install_renderer.sh installs the same."""
+
+
 def install_command() -> str:
     """Return what to type on a Debian-like system that cannot draw without a screen."""
     sudo = "" if not hasattr(os, "geteuid") or os.geteuid() == 0 else "sudo "
-    return f"{sudo}apt-get install -y libegl1 libgl1-mesa-dri"
+    return f"{sudo}apt-get install -y --no-install-recommends {RENDERER_PACKAGES}"
 
 
 def choose_renderer() -> str:

@@ -18,6 +18,9 @@ class MazeStage:
         self.maze = maze
         self._cell: Cell | None = None
 
+    def close(self) -> None:
+        """Nothing to give back."""
+
     @property
     def time_s(self) -> float:
         """Always 0: a maze has no clock."""

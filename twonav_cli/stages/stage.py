@@ -56,5 +56,8 @@ class Stage(Protocol):
     def place(self, cell: Cell) -> Observation:
         """Put the robot at the centre of a free cell and look."""
 
+    def close(self) -> None:
+        """Give back what the stage holds."""
+
     def act(self, action: int, clock: Clock, sink: Sink) -> ActionResult:
         """Carry out one action, sending a Tick per control period (if the stage has any), and look."""

@@ -54,7 +54,10 @@ def screen_possible() -> bool:
 
 
 def progress() -> Progress:
-    """Return a progress bar on standard error: what, how far, how fast, how long still."""
+    """Return a progress bar on standard error: what, how far, how long still, and the numbers that matter.
+
+    Tasks are added with `result=""`; updates put the numbers there.
+    """
     from rich.progress import (
         BarColumn,
         MofNCompleteColumn,
@@ -71,5 +74,6 @@ def progress() -> Progress:
         TimeElapsedColumn(),
         TextColumn("left"),
         TimeRemainingColumn(),
+        TextColumn("{task.fields[result]}"),
         console=err(),
     )

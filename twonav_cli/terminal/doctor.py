@@ -74,9 +74,13 @@ def _scenes() -> dict[str, str]:
 
 
 def _checkpoints() -> dict[str, str]:
-    from twonav_cli.scene.catalog import read_scene
+    from twonav_cli.scene.catalog import read_scene, scene_names
 
-    found: dict[str, str] = {}
+    found: dict[str, str] = {
+        f"{name}/{kind}": f"error: missing, make it with `twonav train --stage {kind} --scene {name}`"
+        for name in scene_names()
+        for kind in ("localizer", "maze")
+    }
     for card in sorted(checkpoints_dir().glob(f"*/*/{CARD_FILE}")):
         folder = card.parent
         name = f"{folder.parent.name}/{folder.name}"
@@ -94,10 +98,11 @@ def _checkpoints() -> dict[str, str]:
 def _warm_up() -> str:
     from twonav_cli.terminal.play import PlayRequest, run_play
 
-    code = run_play(
-        PlayRequest(scene="apartment", stage="3d", goals=("kitchen",), recording=False, plain=True, quiet=True)
-    )
-    return "compiled" if code in (0, 1) else "error"
+    request = PlayRequest(goals=("kitchen",), recording=False, plain=True, quiet=True)
+    try:
+        return "done, the goal was reached" if run_play(request) == 0 else "done, the goal was not reached"
+    except TwonavError as error:
+        return f"error: {error}"
 
 
 def _flat(value: Any) -> list[Any]:

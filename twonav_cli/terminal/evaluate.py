@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import time
 from collections.abc import Callable
@@ -50,14 +51,13 @@ def run_evaluate(request: EvaluateRequest) -> int:
     if request.localizer not in ("raw", "truth"):
         raise unknown_name("localizer", request.localizer, ("raw", "truth"))
     floor = read_floor(request.scene)
-    with StopOnInterrupt() as stop:
-        report = _localizer_report(request, floor) if request.stage == "localizer" else _pairs(request, floor, stop)
-        if request.as_json:
-            print(json.dumps(report))
-        elif request.stage == "localizer":
-            _print_errors(report)
-        else:
-            _print_pairs(report)
+    if request.stage == "localizer":
+        report = _localizer_report(request, floor)
+        print(json.dumps(report)) if request.as_json else _print_errors(report)
+        return 0
+    with StopOnInterrupt("stopping after this pair") as stop:
+        report = _pairs(request, floor, stop)
+        print(json.dumps(report)) if request.as_json else _print_pairs(report)
         return 130 if stop() else 0
 
 
@@ -75,7 +75,7 @@ def _pairs(request: EvaluateRequest, floor: Floor, should_stop: Callable[[], boo
         floor.maze, floor.maze_frame, floor.map.occupied, floor.map.frame,
     )  # fmt: skip
     wanted = len(floor.maze.goals) * len(floor.maze.starts)
-    with progress() as bar, recording(request.record, request.stage, begun) as recorder:
+    with contextlib.closing(stage), progress() as bar, recording(request.record, request.stage, begun) as recorder:
         task = bar.add_task(f"pairs, {request.stage} {request.localizer}", total=wanted, result="")
         reached = 0
 
@@ -136,22 +136,12 @@ def _print_errors(report: dict[str, Any]) -> None:
     from twonav_cli.terminal.console import out
 
     table = Table(box=None, pad_edge=False)
-    keys = (
-        "n",
-        "pos_median_m",
-        "pos_mean_m",
-        "pos_p95_m",
-        "pos_p99_m",
-        "ang_median_deg",
-        "ang_mean_deg",
-        "ang_p95_deg",
-    )
-    table.add_column("frames")
-    for key in keys:
-        table.add_column(key, justify="right")
-    for name in ("off_grid", "paper_split"):
-        row = report[name]
-        table.add_row(name, str(row["n"]), *(_number(row[key], 3) for key in keys[1:]))
+    kinds = [kind for kind in ("off_grid", "paper_split", "off_grid_nearest_frame") if kind in report]
+    table.add_column("errors")
+    for kind in kinds:
+        table.add_column(kind, justify="right")
+    for key in report["off_grid"]:
+        table.add_row(key, *(_number(report[kind][key], 0 if key == "n" else 3) for kind in kinds))
     out().print(table)
 
 

@@ -10,7 +10,8 @@ from types import FrameType, TracebackType
 class StopOnInterrupt:
     """While it is entered, the first SIGINT or SIGTERM only makes the object true when called."""
 
-    def __init__(self) -> None:
+    def __init__(self, sentence: str = "stopping: saving first") -> None:
+        self._sentence = sentence
         self.asked = False
         self._before: dict[int, object] = {}
 
@@ -34,4 +35,4 @@ class StopOnInterrupt:
         if self.asked:
             raise KeyboardInterrupt
         self.asked = True
-        print("stopping: saving first (once more to break off)", file=sys.stderr)
+        print(f"{self._sentence} (once more to break off)", file=sys.stderr)

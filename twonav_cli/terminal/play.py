@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import queue
 import sys
 import threading
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -118,7 +120,7 @@ def _drive(request: PlayRequest, sink: Sink, wishes: Wishes, path: Path | None, 
     camera_only = request.stage == "3d" and request.localizer == "raw"
     localize = load_localize(floor, request.checkpoints) if camera_only else None
     stage = make_stage(floor, request.stage, localize, request.seed, _options(request))
-    with recording(path, request.stage, begun, every_trial=True) as recorder:
+    with contextlib.closing(stage), recording(path, request.stage, begun, every_trial=True) as recorder:
         journey = Journey(
             stage, floor.maze_frame, agent, stream(request.seed, "explore"), to_all(recorder, sink), wishes
         )
@@ -129,7 +131,8 @@ def _drive(request: PlayRequest, sink: Sink, wishes: Wishes, path: Path | None, 
             f"{len(reached)} of {len(visits)} goals reached",
         )
         to_all(recorder, sink)(ended)
-    return 0 if all(goal in reached for goal in request.goals) else 1
+    failed = any(visit.outcome not in ("reached", "given-up") for visit in visits)
+    return 1 if failed or Counter(request.goals) - Counter(reached) else 0
 
 
 def _options(request: PlayRequest) -> Sim3dOptions | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,7 +15,7 @@ from twonav_cli.paths import runs_dir
 def default_recording(command: str, scene: str, stage: str) -> Path:
     """Return a fresh path in the runs folder, named by what is recorded and when."""
     moment = datetime.datetime.now().strftime("%Y%m%d-%H%M%S")
-    return runs_dir() / "recordings" / f"{command}-{Path(scene).stem}-{stage}-{moment}.rrd"
+    return runs_dir() / "recordings" / f"{command}-{Path(scene).stem}-{stage}-{moment}-{os.getpid()}.rrd"
 
 
 @contextmanager

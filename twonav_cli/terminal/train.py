@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 from twonav_cli.errors import TwonavError, unknown_name
 from twonav_cli.paths import runs_dir
 from twonav_cli.terminal.interrupt import StopOnInterrupt
+from twonav_cli.terminal.play import BASES
 
 if TYPE_CHECKING:
     from twonav_cli.mapping.floor import Floor
 
 STAGES = ("maze", "localizer", "3d")
-BASES = ("omni", "differential")
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,13 @@ class TrainRequest:
             parts += ["--images", str(self.images)]
         if self.stage == "3d":
             parts += ["--base", self.base]
-        return " ".join(parts + (["--quick"] if self.quick else []))
+        return shlex.join(parts + (["--quick"] if self.quick else []))
+
+    def resume_command(self) -> str:
+        """Return the command that goes on with this run where it stopped."""
+        parts = [self.command(), "--resume"]
+        parts += ["--out", shlex.quote(str(self.out))] if self.out is not None else []
+        return " ".join(parts + ([] if self.recording else ["--no-record"]))
 
 
 def run_train(request: TrainRequest) -> int:
@@ -56,7 +63,8 @@ def run_train(request: TrainRequest) -> int:
     from twonav_cli.mapping.floor import read_floor
 
     floor = read_floor(request.scene)
-    folder = request.out or runs_dir() / floor.scene.name / request.stage
+    name = f"{request.stage}-quick" if request.quick else request.stage
+    folder = request.out or runs_dir() / floor.scene.name / name
     with StopOnInterrupt() as stop:
         if request.stage == "localizer":
             from twonav_cli.terminal.train_localizer import train_localizer
@@ -67,7 +75,7 @@ def run_train(request: TrainRequest) -> int:
 
             outcome, metrics = train_agent(request, floor, folder, stop)
     _report(request, folder, outcome, metrics)
-    return {"learned": 0, "stopped": 130}.get(outcome, 1)
+    return {"learned": 0, "quick": 0, "stopped": 130}.get(outcome, 1)
 
 
 def _report(request: TrainRequest, folder: Path, outcome: str, metrics: dict[str, Any]) -> None:
@@ -77,9 +85,11 @@ def _report(request: TrainRequest, folder: Path, outcome: str, metrics: dict[str
         for name, value in metrics.items():
             print(f"{name}: {value}", file=sys.stderr)
     if outcome == "stopped":
-        print(f"stopped and saved in {folder}; go on with: {request.command()} --resume", file=sys.stderr)
+        print(f"stopped and saved in {folder}; go on with: {request.resume_command()}", file=sys.stderr)
     elif outcome == "gave-up":
         print(f"gave up before every goal was learned; what was learned is in {folder}", file=sys.stderr)
+    elif outcome == "quick":
+        print(f"a quick run ends here, before anything is learned well: {folder}", file=sys.stderr)
     else:
         print(f"done: {folder}", file=sys.stderr)
 
@@ -90,6 +100,7 @@ def card_of(request: TrainRequest, floor: Floor, metrics: dict[str, Any]) -> dic
         "scene": floor.scene.name,
         "scene_digest": floor.scene.digest,
         "map_digest": floor.map.digest,
+        "stage": request.stage,
         "command": request.command(),
         "seed": request.seed,
         "metrics": metrics,

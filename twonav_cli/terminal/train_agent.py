@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from twonav_cli.checkpoint import read_card
 from twonav_cli.config import learning_preset
+from twonav_cli.errors import TwonavError
 from twonav_cli.events import Clock, Event, GoalLearned, RunEnded, RunStarted, Sink, TrialBatch, TrialEnded, to_all
 from twonav_cli.experiments.predecessors import checkpoint_folder, load_localize, make_stage
 from twonav_cli.experiments.trials import LearningOutcome, learn_in_stage, learn_maze
@@ -21,6 +24,7 @@ if TYPE_CHECKING:
     from twonav_cli.stages.sim3d_stage import Sim3dStage
 
 SAVE_EVERY_S = 30.0
+SHOW_EVERY_S = 0.5
 TRIALS_IN_3D = 1500
 QUICK_TRIALS_IN_3D = 6
 
@@ -31,7 +35,7 @@ def train_agent(
     """Learn every goal in a stage and save the agent.
 
     Returns:
-        The outcome ("learned", "stopped" or "gave-up") and the metrics of the card.
+        The outcome ("learned", "quick", "stopped" or "gave-up") and the metrics of the card.
 
     Raises:
         TwonavError: The stage before is missing, or a checkpoint does not belong here.
@@ -45,34 +49,54 @@ def train_agent(
         Clock(agent.progress.trial, agent.progress.step), "train", request.stage, floor.scene.name, request.seed, {},
         floor.maze, floor.maze_frame, floor.map.occupied, floor.map.frame,
     )  # fmt: skip
-    saver = _Saver(request, floor, folder, agent)
+    saver = _Saver(request, floor, folder, agent, should_stop)
     with progress() as bar, recording(path, request.stage, begun) as recorder:
         task = bar.add_task(f"goals learned, {request.stage}", total=len(agent.goal_names), result="")
 
         def show(learned: int, numbers: str) -> None:
             bar.update(task, completed=learned, result=numbers)
+            if numbers and not bar.console.is_terminal:
+                bar.console.print(f"{learned} of {len(agent.goal_names)} goals learned: {numbers}", soft_wrap=True)
 
-        sink = to_all(recorder, _ProgressSink(show, agent), saver)
+        sink = to_all(recorder, _ProgressSink(show, agent))
         if stage is None:
             result = learn_maze(agent, floor.maze, request.seed, sink, should_stop)
         else:
-            result = _learn_3d(request, stage, agent, sink, should_stop)
+            result = _learn_3d(request, stage, agent, sink, saver)
         recorder(RunEnded(Clock(agent.progress.trial, agent.progress.step), result.outcome))
     metrics = _metrics(result)
     saver.save(metrics)
-    return ("learned" if request.quick and result.outcome == "gave-up" else result.outcome), metrics
+    if path is not None:
+        print(f"recording: {path}", file=sys.stderr)
+    return ("quick" if request.quick and result.outcome == "gave-up" else result.outcome), metrics
 
 
 def _agent(request: TrainRequest, floor: Floor, folder: Path) -> Agent:
     """Return the agent to train: resumed, or new (maze), or that of the stage before (3D)."""
     scene, digest = floor.scene, floor.map.digest
     if request.resume:
+        _check_same_run(request, folder)
         return Agent.load(folder, scene.digest, digest)
     config = learning_preset(request.stage)
     if request.stage == "maze":
         return Agent.for_maze(floor.maze, config, request.seed)
     before = checkpoint_folder(scene.name, "maze", own_first=True)
     return Agent.load(before, scene.digest, digest, config)
+
+
+def _check_same_run(request: TrainRequest, folder: Path) -> None:
+    """Refuse to go on with a run of another stage or seed.
+
+    Raises:
+        TwonavError: Says which it was.
+    """
+    card = read_card(folder)
+    if card.get("stage", request.stage) != request.stage:
+        raise TwonavError(f"the run in {folder} is of stage {card['stage']}: name another folder with --out")
+    if card.get("seed") != request.seed:
+        raise TwonavError(
+            f"the run in {folder} has seed {card.get('seed')}: go on with that seed, or leave --resume out"
+        )
 
 
 def _stage_3d(request: TrainRequest, floor: Floor) -> Sim3dStage:
@@ -88,7 +112,7 @@ def _learn_3d(
 ) -> LearningOutcome:
     try:
         trials = QUICK_TRIALS_IN_3D if request.quick else TRIALS_IN_3D
-        return learn_in_stage(stage, agent, request.seed, sink, should_stop, trials)
+        return learn_in_stage(stage, agent, request.seed, sink, should_stop, agent.progress.trial + trials)
     finally:
         stage.close()
 
@@ -103,15 +127,24 @@ def _metrics(result: LearningOutcome) -> dict[str, Any]:
 
 
 class _Saver:
-    """Writes the agent every half minute and at the end, so that a kill loses little."""
+    """Writes the agent every half minute and at the end, so that a kill loses little.
 
-    def __init__(self, request: TrainRequest, floor: Floor, folder: Path, agent: Agent) -> None:
+    It stands before the question whether to stop, which the learning loop asks between two trials, where the agent can
+    be saved.
+    """
+
+    def __init__(
+        self, request: TrainRequest, floor: Floor, folder: Path, agent: Agent, should_stop: Callable[[], bool]
+    ) -> None:
         self._request, self._floor, self._folder, self._agent = request, floor, folder, agent
+        self._should_stop = should_stop
         self._saved_at = time.monotonic()
 
-    def __call__(self, event: Event) -> None:
-        if isinstance(event, TrialEnded | TrialBatch) and time.monotonic() - self._saved_at > SAVE_EVERY_S:
+    def __call__(self) -> bool:
+        """Whether to stop."""
+        if time.monotonic() - self._saved_at > SAVE_EVERY_S:
             self.save({"unfinished": True})
+        return self._should_stop()
 
     def save(self, metrics: dict[str, Any]) -> None:
         """Write the agent with its card."""
@@ -126,6 +159,7 @@ class _ProgressSink:
         self._show = show
         self._learned = int(agent.progress.learned.sum())
         self._recent: list[bool] = []
+        self._shown_at = time.monotonic()
         show(self._learned, "")
 
     def __call__(self, event: Event) -> None:
@@ -137,6 +171,9 @@ class _ProgressSink:
             self._learned += 1
         else:
             return
+        if not isinstance(event, GoalLearned) and time.monotonic() - self._shown_at < SHOW_EVERY_S:
+            return
+        self._shown_at = time.monotonic()
         share = sum(self._recent) / max(len(self._recent), 1)
         recent = f"success of the last {len(self._recent)}: {share:.0%}"
         self._show(self._learned, f"trial {event.clock.trial}, action {event.clock.step}, {recent}")

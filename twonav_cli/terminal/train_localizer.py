@@ -33,7 +33,7 @@ def train_localizer(
     """Collect frames, fit the network and save it with its card.
 
     Returns:
-        The outcome ("learned" or "stopped") and the metrics of the card.
+        The outcome ("learned", "quick" or "stopped") and the metrics of the card.
 
     Raises:
         TwonavError: No renderer, a damaged frame store, or a training state that does not fit.
@@ -67,7 +67,7 @@ def train_localizer(
         recorder(RunEnded(Clock(), "stopped" if saved is None else "learned"))
     if saved is None:
         return "stopped", {}
-    return "learned", dict(read_card(folder)["metrics"])
+    return ("quick" if request.quick else "learned"), dict(read_card(folder)["metrics"])
 
 
 def collected(
@@ -89,7 +89,7 @@ def collected(
     from twonav_cli.scene.world import World
 
     scene = floor.scene
-    folder = runs_dir() / scene.name / ("frames-quick" if quick else "frames")
+    folder = runs_dir() / scene.name / f"frames-{'quick-' if quick else ''}seed{seed}"
     plan = plan_frames(floor.map.occupied, floor.map.frame, list(scene.starts.values()), plan_config, seed)
     world = World(scene)
     camera = Camera(world)

@@ -25,9 +25,9 @@ class QueuedWishes:
         self._single_steps = 0
 
     def next_goal(self, wait: bool) -> str | None:
-        """Return the next goal that was asked for; with `wait`, block until there is one or the player leaves."""
+        """Return the next goal that was asked for; with `wait`, block until the player wants anything or leaves."""
         self._read()
-        while wait and not self._goals and not self.left():
+        while wait and not (self._goals or self._kidnap or self._moves or self.left()):
             self._read(timeout_s=_POLL_S)
         return self._goals.popleft() if self._goals else None
 
@@ -50,6 +50,7 @@ class QueuedWishes:
 
     def pace(self) -> float:
         """Return simulated seconds per second of watching."""
+        self._read()
         return self._speed
 
     def left(self) -> bool:
