@@ -22,8 +22,8 @@ import time
 from pathlib import Path
 
 TWONAV = str(Path(sys.executable).with_name("twonav"))
-FIRST_POSE = re.compile(rb"belief\x1b?[^A-Za-z]*\d")
-"""The panel of poses is filled by the event that brings the first picture."""
+FIRST_POSE = re.compile(rb"true.{0,120}?\d\.\d\d", re.DOTALL)
+"""The true pose is filled in by the event that brings the first picture."""
 
 
 def help_s() -> float:

@@ -102,6 +102,15 @@ class Tick(Event):
 
 
 @dataclass(frozen=True)
+class Looked(Event):
+    """The camera was looked through while the robot stands; nothing is estimated from it."""
+
+    pose_true: Pose
+    image: NDArray[np.uint8]
+    """[84, 84, 3] RGB."""
+
+
+@dataclass(frozen=True)
 class StepTaken(Event):
     """One action was chosen and carried out."""
 

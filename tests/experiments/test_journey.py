@@ -272,3 +272,28 @@ def test_a_robot_in_no_free_cell_has_the_shortest_way_of_where_it_believes_to_be
 def test_the_ticks_of_an_action_carry_its_number(lost: tuple[list[Visit], list[Event]]) -> None:
     _, events = lost
     assert [tick.clock.step for tick in of_kind(events, Tick)] == [s.clock.step for s in of_kind(events, StepTaken)]
+
+
+def test_a_goal_that_is_reached_with_the_last_action_is_reached(travel: Travel, agent: Agent) -> None:
+    agent.config = replace(agent.config, trial_limit_steps=3)
+    visits, _ = travel("right")
+    assert visits == [Visit("right", "reached", 3, 3)]
+
+
+def test_a_robot_without_a_goal_can_be_kidnapped_at_once(travel: Travel) -> None:
+    wishes = FakeWishes(kidnaps={3: True})
+    wishes.afterwards = [None, "left"]
+    visits, events = travel("right", wishes=wishes, stay=True)
+    (carried,) = of_kind(events, Kidnapped)
+    assert isinstance(carried, Kidnapped)
+    from_there = FRAME.cell_at(carried.pose_after.x_m, carried.pose_after.y_m).col
+    assert visits == [Visit("right", "reached", 3, 3), Visit("left", "reached", from_there, from_there)]
+
+
+def test_a_move_without_a_goal_is_answered_with_a_note(travel: Travel) -> None:
+    wishes = FakeWishes(moves={3: int(Action.LEFT)})
+    visits, events = travel("right", wishes=wishes, stay=True)
+    assert [visit.outcome for visit in visits] == ["reached"]
+    (note,) = of_kind(events, Note)
+    assert isinstance(note, Note)
+    assert "name a goal" in note.text

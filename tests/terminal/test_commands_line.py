@@ -353,7 +353,7 @@ def test_an_interrupted_training_saves_and_goes_on_as_if_unbroken(
     assert broken.code == 130
     assert broken.only_object()["outcome"] == "stopped"
     assert broken.only_object()["steps"] < unbroken["steps"]
-    assert "--resume" in broken.err
+    assert "--resume --out" in broken.err
     monkeypatch.setattr(train_agent, "learn_maze", learn_maze)
     assert twonav(*train, tmp_path / "broken", "--resume").only_object() == unbroken
     arrays = [(tmp_path / name / "arrays.safetensors").read_bytes() for name in ("unbroken", "broken")]
@@ -485,3 +485,22 @@ def test_a_reader_that_goes_away_is_no_traceback() -> None:
     assert ended.stdout == "play apartment, stage maze, seed 0\n"
     assert "Traceback" not in ended.stderr
     assert "Exception" not in ended.stderr
+
+
+def test_going_on_with_another_seed_or_stage_is_refused(twonav: Twonav, tmp_path: Path) -> None:
+    train = ["train", "--scene", "kitchen", "--no-record", "--out", tmp_path / "run"]
+    assert twonav(*train, "--stage", "maze", "--json").code == 0
+    assert "seed 0" in twonav(*train, "--stage", "maze", "--resume", "--seed", "1").complaint
+    assert "of stage maze" in twonav(*train, "--stage", "3d", "--resume").complaint
+
+
+def test_every_requested_goal_must_be_reached_for_exit_code_0(twonav: Twonav, monkeypatch: pytest.MonkeyPatch) -> None:
+    from twonav_cli.experiments import journey
+
+    def visits(outcomes: list[str]) -> list[journey.Visit]:
+        return [journey.Visit("kitchen", outcome, 3, 3) for outcome in outcomes]
+
+    for outcomes, code in ((["reached", "reached"], 0), (["reached", "time-out"], 1), (["reached"], 1)):
+        monkeypatch.setattr(journey.Journey, "run", lambda self, *a, found=outcomes: visits(found))
+        goals = ["--goal", "kitchen", "--goal", "kitchen"]
+        assert twonav("play", "--stage", "maze", *goals, "--plain", "--no-record").code == code

@@ -66,7 +66,7 @@ class Sim3dStage:
         self.frame: GridFrame = floor.maze_frame
         self.world = World(floor.scene, self.options.base)
         self.camera = Camera(self.world)
-        self._localize = localize
+        self.localize = localize
         self._laser = RangeFinder(self.world)
         self._body = RobotBody(self.world, self._laser, self.options.noise, stream(seed, "odometry"))
         self._driver = CellDriver(self.options.drive, self.options.base, floor.map.occupied, floor.map.frame)
@@ -99,11 +99,17 @@ class Sim3dStage:
         self._body.settle()
         return self.look()
 
+    def picture(self, cell: Cell) -> tuple[Pose, Image]:
+        """Put the robot into a cell and return where it stands and what it sees, without asking the localizer."""
+        x_m, y_m = self.frame.centre_of(cell)
+        self.world.place(Pose(x_m, y_m, self._headings.get(cell, 0.0)))
+        return self.world.pose(), self.camera.image()
+
     def look(self) -> Observation:
         """Take a picture, estimate the pose and take it as the pose that the controller believes."""
         true = self.world.pose()
         image = self.camera.image()
-        estimate = true if self._localize is None else self._localize(image)
+        estimate = true if self.localize is None else self.localize(image)
         self._believed = estimate
         return Observation(
             cell=self._snap[self.frame.cell_at(estimate.x_m, estimate.y_m)],

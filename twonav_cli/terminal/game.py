@@ -19,6 +19,7 @@ from twonav_cli.events import (
     GoalChosen,
     GoalLearned,
     Kidnapped,
+    Looked,
     Note,
     QSnapshot,
     RunEnded,
@@ -209,6 +210,10 @@ def _tick(state: GameState, event: Tick) -> GameState:
     )
 
 
+def _looked(state: GameState, event: Looked) -> GameState:
+    return replace(state, pose_true=event.pose_true, image=event.image)
+
+
 def _step_taken(state: GameState, event: StepTaken) -> GameState:
     true_cell = event.true_cell or event.next_cell
     simulated = event.pose_true is not None
@@ -283,6 +288,7 @@ RULES: dict[type[Event], Callable[[GameState, Any], GameState]] = {
     RunStarted: _run_started,
     GoalChosen: _goal_chosen,
     TrialStarted: _trial_started,
+    Looked: _looked,
     Tick: _tick,
     StepTaken: _step_taken,
     TrialEnded: _trial_ended,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import importlib
 import queue
 import sys
 import threading
@@ -13,7 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from twonav_cli.errors import TwonavError, unknown_name
-from twonav_cli.events import Clock, RunEnded, RunStarted, Sink, to_all
+from twonav_cli.events import Clock, Looked, RunEnded, RunStarted, Sink, to_all
+from twonav_cli.stages.maze_stage import MazeStage
 from twonav_cli.terminal.commands import Command
 from twonav_cli.terminal.console import screen_possible
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from twonav_cli.grid import Cell
     from twonav_cli.mapping.floor import Floor
     from twonav_cli.stages.sim3d_stage import Sim3dOptions
+    from twonav_cli.stages.stage import Stage
 
 STAGES = ("maze", "2d", "3d")
 LOCALIZERS = ("raw", "truth")
@@ -102,8 +103,6 @@ def _drive(request: PlayRequest, sink: Sink, wishes: Wishes, path: Path | None, 
     """Build everything and run the journey; the floor plan leaves before anything slow is loaded."""
     from twonav_cli.mapping.floor import read_floor
 
-    if request.stage == "3d" and request.localizer == "raw":
-        threading.Thread(target=importlib.import_module, args=("torch",), daemon=True).start()
     floor = read_floor(request.scene)
     start = _start_cell(floor, request)
     begun = RunStarted(
@@ -112,14 +111,12 @@ def _drive(request: PlayRequest, sink: Sink, wishes: Wishes, path: Path | None, 
     )  # fmt: skip
     sink(begun)
     from twonav_cli.experiments.journey import Journey
-    from twonav_cli.experiments.predecessors import load_agent, load_localize, make_stage
+    from twonav_cli.experiments.predecessors import load_agent
     from twonav_cli.rng import stream
     from twonav_cli.terminal.recordings import recording
 
     agent = load_agent(floor, request.stage, request.checkpoints)
-    camera_only = request.stage == "3d" and request.localizer == "raw"
-    localize = load_localize(floor, request.checkpoints) if camera_only else None
-    stage = make_stage(floor, request.stage, localize, request.seed, _options(request))
+    stage = _make_stage(request, floor, start, sink)
     with contextlib.closing(stage), recording(path, request.stage, begun, every_trial=True) as recorder:
         journey = Journey(
             stage, floor.maze_frame, agent, stream(request.seed, "explore"), to_all(recorder, sink), wishes
@@ -133,6 +130,23 @@ def _drive(request: PlayRequest, sink: Sink, wishes: Wishes, path: Path | None, 
         to_all(recorder, sink)(ended)
     failed = any(visit.outcome not in ("reached", "given-up") for visit in visits)
     return 1 if failed or Counter(request.goals) - Counter(reached) else 0
+
+
+def _make_stage(request: PlayRequest, floor: Floor, start: Cell, sink: Sink) -> Stage:
+    """Return the stage; in 3D the first picture leaves before the localizer, which is slow to load, is there."""
+    from twonav_cli.experiments.predecessors import checkpoint_folder, load_localize, make_stage
+
+    if request.stage == "3d" and request.localizer == "raw":
+        checkpoint_folder(
+            floor.scene.name, "localizer", request.checkpoints
+        )  # known to be there before anything is built
+    stage = make_stage(floor, request.stage, None, request.seed, _options(request))
+    if isinstance(stage, MazeStage):
+        return stage
+    sink(Looked(Clock(), *stage.picture(start)))
+    if request.localizer == "raw":
+        stage.localize = load_localize(floor, request.checkpoints)
+    return stage
 
 
 def _options(request: PlayRequest) -> Sim3dOptions | None:

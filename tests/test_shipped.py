@@ -1,0 +1,57 @@
+"""What is shipped works: every checkpoint belongs to its scene, and the robot finds a goal from its camera."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from twonav_cli.checkpoint import read_card
+from twonav_cli.experiments.localizer_errors import localizer_errors
+from twonav_cli.experiments.predecessors import load_agent, load_localize
+from twonav_cli.mapping.floor import read_floor
+from twonav_cli.paths import checkpoints_dir
+from twonav_cli.scene.catalog import read_scene, scene_names
+from twonav_cli.scene.geometry_map import occupied_from_geometry
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_agent_and_localizer_belong_to_the_scene_and_its_map(name: str) -> None:
+    floor = read_floor(name)
+    assert load_agent(floor, "3d").goal_names == list(floor.scene.goals)
+    assert callable(load_localize(floor))
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_the_shipped_map_is_the_one_that_the_geometry_gives(name: str) -> None:
+    floor = read_floor(name)
+    assert (checkpoints_dir() / name / "map" / "map.pgm").is_file()
+    assert (floor.map.occupied == occupied_from_geometry(read_scene(name), floor.map.frame)).all()
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_the_localizer_is_as_good_at_new_poses_as_its_card_says(name: str) -> None:
+    folder = checkpoints_dir() / name / "localizer"
+    found = localizer_errors(read_floor(name), folder, 200, 7, lambda done, total: None)["off_grid"]
+    said = read_card(folder)["metrics"]["off_grid"]
+    assert found["pos_median_m"] < 1.3 * said["pos_median_m"]
+    assert found["ang_median_deg"] < 1.3 * said["ang_median_deg"]
+    assert said["pos_median_m"] < 0.5 * read_card(folder)["metrics"]["off_grid_nearest_frame"]["pos_median_m"]
+
+
+def test_the_robot_finds_the_kitchen_from_its_camera_and_leaves_a_recording(tmp_path: Path) -> None:
+    path = tmp_path / "play.rrd"
+    twonav = [sys.executable, "-m", "twonav_cli"]
+    played = subprocess.run(
+        [*twonav, "play", "--goal", "kitchen", "--plain", "--record", str(path)],
+        capture_output=True, text=True, timeout=120, check=False, cwd=ROOT,
+    )  # fmt: skip
+    assert played.returncode == 0, played.stderr
+    assert "summary: 1 of 1 goals reached" in played.stdout
+    inspected = subprocess.run([*twonav, "inspect", str(path), "--json"], capture_output=True, text=True, check=True)
+    assert [trial["outcome"] for trial in json.loads(inspected.stdout)["trials"]] == ["reached"]
