@@ -8,6 +8,7 @@ controller is traced as in `play`.
 
 from __future__ import annotations
 
+import copy
 import sys
 import tempfile
 import time
@@ -25,8 +26,9 @@ from twonav_cli.stages.sim3d_stage import Sim3dOptions
 from twonav_cli.stages.stage import Stage
 
 
-def drive(stage: Stage, agent: Agent, sink: Sink, actions: int, rng: np.random.Generator) -> tuple[int, float]:
-    """Run trials until `actions` are done; return the actions and the CPU seconds."""
+def drive(stage: Stage, agent: Agent, sink: Sink, actions: int, seed: int) -> tuple[int, float]:
+    """Run trials until `actions` are done, the same ones for the same seed; return the actions and the CPU seconds."""
+    agent, rng = copy.deepcopy(agent), np.random.default_rng(seed)
     starts, taken, trial = list(stage.maze.starts.values()), 0, 0
     begun_s = time.process_time()
     while taken < actions:
@@ -54,9 +56,8 @@ def main() -> None:
     given = [int(argument) for argument in sys.argv[1:3]]
     actions, rounds = (*given, *(60, 5)[len(given) :])
     floor = read_floor("apartment")
-    rng = np.random.default_rng(0)
     print(f"maze, compiled learning loop: {learning_in_maze(floor):,.0f} actions/s")
-    taken, spent_s = drive(make_stage(floor, "maze", None, 0), load_agent(floor, "maze"), to_nobody, 2000, rng)
+    taken, spent_s = drive(make_stage(floor, "maze", None, 0), load_agent(floor, "maze"), to_nobody, 2000, 0)
     print(f"maze, through the stage protocol: {taken / spent_s:,.0f} actions/s")
     agent, localize = load_agent(floor, "3d"), load_localize(floor)
     plain = make_stage(floor, "3d", localize, 0, Sim3dOptions())
@@ -64,14 +65,14 @@ def main() -> None:
     begun = RunStarted(
         Clock(), "play", "3d", "apartment", 0, {}, floor.maze, floor.maze_frame, floor.map.occupied, floor.map.frame
     )
-    drive(plain, agent, to_nobody, 20, rng)
+    drive(plain, agent, to_nobody, 20, 0)
     ratios, costs = [], []
     with tempfile.TemporaryDirectory() as folder, Recorder(Path(folder) / "bench.rrd", "3d") as recorder:
         recorder(begun)
-        drive(traced, agent, recorder, 20, rng)
-        for _ in range(rounds):
-            bare_taken, bare_s = drive(plain, agent, to_nobody, actions, rng)
-            taken, spent_s = drive(traced, agent, recorder, actions, rng)
+        drive(traced, agent, recorder, 20, 0)
+        for seed in range(rounds):
+            bare_taken, bare_s = drive(plain, agent, to_nobody, actions, seed)
+            taken, spent_s = drive(traced, agent, recorder, actions, seed)
             costs.append((bare_taken / bare_s, taken / spent_s))
             ratios.append(costs[-1][0] / costs[-1][1] - 1)
     bare, recorded = np.median(costs, axis=0)

@@ -55,6 +55,9 @@ PROGRESS_RAD = 0.05
 IDLE_TICKS = 2
 """Periods in a row in which standing still was the best choice, after which an action is blocked (ours)."""
 
+TRACE_EVERY = 4
+"""Periods from one trace of what the controller weighed to the next (ours)."""
+
 RETURN_S = 1.2
 """Time a blocked robot has to go back to where it started (ours)."""
 
@@ -117,6 +120,8 @@ class _Drive:
     believed: Pose
     on_tick: OnTick | None
     trace: bool
+    due: bool = False
+    """Whether this period is traced: tracing weighs every candidate to its end, which costs four times as much."""
     allowed_overlap: int | None = None
     """Fewest outline points on marks so far; None before the first period."""
 
@@ -182,6 +187,7 @@ class CellDriver:
         tick = 0
         while tick * config.tick_s < limit_s:
             time_s = tick * config.tick_s
+            drive.due = drive.trace and tick % TRACE_EVERY == 0
             scan = self._look(drive)
             left_m = self._left_m(drive.believed, leg)
             leg = leg if going_back else self._aimed(drive.believed, leg, left_m)
@@ -229,10 +235,10 @@ class CellDriver:
         """Plan one period; a differential base that cannot turn on the spot may try arcs."""
         allowed = drive.allowed_overlap or 0
         spot = not self._omni and not going_back and error_rad > TURN_FIRST_RAD
-        plan = self._planner.plan(self._window, drive.believed, twist, leg, allowed, spot, drive.trace)
+        plan = self._planner.plan(self._window, drive.believed, twist, leg, allowed, spot, drive.due)
         away_m = math.hypot(drive.believed.x_m - leg.start_x_m, drive.believed.y_m - leg.start_y_m)
         if spot and _stands(plan.twist) and away_m < UNPARKING_M:
-            plan = self._unparking.plan(self._window, drive.believed, twist, leg, allowed, False, drive.trace)
+            plan = self._unparking.plan(self._window, drive.believed, twist, leg, allowed, False, drive.due)
         return plan
 
     def _seen_at(self, leg: Leg) -> bool:
@@ -269,7 +275,7 @@ class CellDriver:
     def _tick(self, drive: _Drive, twist: Twist, scan: FloatArray, plan: Plan | None) -> None:
         """Tell who listens, drive one period, and move the believed pose by odometry."""
         if drive.on_tick is not None:
-            trace = self._traced(drive.believed, plan) if drive.trace and plan is not None else None
+            trace = self._traced(drive.believed, plan) if drive.due and plan is not None else None
             drive.on_tick(drive.believed, scan, trace)
         drive.body.drive(twist, self._config.tick_s)
         drive.believed = compose(drive.believed, drive.body.odometry())

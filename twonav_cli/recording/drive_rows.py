@@ -31,7 +31,7 @@ class DriveRows:
         self._file = file
         self._maze = maze
         self._frame = frame
-        self._ticks = 0
+        self._ticks = self._candidates_due = self._cost_map_due = 0
         self._trail: list[tuple[float, float]] = []
         self._lost = False
         self._failures = Marks([], [], [])
@@ -39,7 +39,7 @@ class DriveRows:
 
     def trial_started(self, event: TrialStarted) -> None:
         """Begin a new way and ring the goal."""
-        self._ticks = 0
+        self._ticks = self._candidates_due = self._cost_map_due = 0
         self._lost = False
         pose = event.pose_true
         self._trail = [(pose.x_m, pose.y_m) if pose else self._frame.centre_of(event.start)]
@@ -53,9 +53,11 @@ class DriveRows:
         put("pose", (event.pose_true, event.pose_believed), clock, Detail.FULL if count % POSES_EVERY else Detail.POSES)
         if count % SCAN_EVERY == 0:
             put("scan", (event.pose_true, event.scan_m.astype(np.float32)), clock)
-        if event.drive is not None and count % CANDIDATES_EVERY == 0:
+        if event.drive is not None and count >= self._candidates_due:
+            self._candidates_due = count + CANDIDATES_EVERY
             put("candidates", thinned_candidates(event.drive), clock)
-        if event.drive is not None and count % COST_MAP_EVERY == 0:
+        if event.drive is not None and count >= self._cost_map_due:
+            self._cost_map_due = count + COST_MAP_EVERY
             put("cost", cost_patch(event.drive), clock)
         if event.image is not None:
             put("camera", event.image.copy(), clock)
