@@ -2,7 +2,7 @@
 
     python benchmarks/bench_actions.py [actions per round] [rounds]
 
-CPU time of one process (`time.process_time`), camera-only poses in 3D; while recording, the
+Wall time (the recorder writes in a thread of its own), camera-only poses in 3D; while recording, the
 controller is traced as in `play`.
 """
 
@@ -27,28 +27,28 @@ from twonav_cli.stages.stage import Stage
 
 
 def drive(stage: Stage, agent: Agent, sink: Sink, actions: int, seed: int) -> tuple[int, float]:
-    """Run trials until `actions` are done, the same ones for the same seed; return the actions and the CPU seconds."""
+    """Run trials until `actions` are done, the same ones for the same seed; return the actions and the seconds."""
     agent, rng = copy.deepcopy(agent), np.random.default_rng(seed)
     starts, taken, trial = list(stage.maze.starts.values()), 0, 0
-    begun_s = time.process_time()
+    begun_s = time.perf_counter()
     while taken < actions:
         goal = trial % len(agent.goal_names)
         clock = Clock(trial, taken, stage.time_s)
         taken += run_trial(stage, agent, goal, starts[trial % len(starts)], rng, clock, sink, True, True).steps
         trial += 1
-    return taken, time.process_time() - begun_s
+    return taken, time.perf_counter() - begun_s
 
 
 def learning_in_maze(floor: Floor) -> float:
-    """Return the actions per CPU second of the compiled loop, learning ten goals."""
+    """Return the actions per second of the compiled loop, learning ten goals."""
     from twonav_cli.config import learning_preset
 
     learn_maze(Agent.for_maze(floor.maze, learning_preset("maze")), floor.maze, 0, to_nobody, lambda: False)
-    begun_s, steps = time.process_time(), 0
+    begun_s, steps = time.perf_counter(), 0
     for seed in range(5):
         agent = Agent.for_maze(floor.maze, learning_preset("maze"), seed)
         steps += learn_maze(agent, floor.maze, seed, to_nobody, lambda: False).steps
-    return steps / (time.process_time() - begun_s)
+    return steps / (time.perf_counter() - begun_s)
 
 
 def main() -> None:

@@ -281,7 +281,13 @@ def test_a_goal_that_is_reached_with_the_last_action_is_reached(travel: Travel, 
 
 
 def test_a_robot_without_a_goal_can_be_kidnapped_at_once(travel: Travel) -> None:
-    wishes = FakeWishes(kidnaps={3: True})
+    class Kidnapper(FakeWishes):
+        def next_goal(self, wait: bool) -> str | None:
+            if wait and len(self.afterwards) == 2:
+                self.kidnaps[self.looks] = True
+            return super().next_goal(wait)
+
+    wishes = Kidnapper()
     wishes.afterwards = [None, "left"]
     visits, events = travel("right", wishes=wishes, stay=True)
     (carried,) = of_kind(events, Kidnapped)

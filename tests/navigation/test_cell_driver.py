@@ -153,7 +153,7 @@ def test_tracing_shows_what_was_weighed_and_changes_nothing(base):
         paths.append(body.path)
     assert paths[0] == paths[1]
     shown = [trace for trace in traces if isinstance(trace, DriveTrace)]
-    assert 1 < len(shown) <= len(traces) / 4
+    assert 1 <= len(shown) <= len(traces) / 4
     for trace in shown:
         assert 10 < len(trace.candidates) <= 60
         assert trace.candidates.shape == (len(trace.costs), DriveConfig().rollout_poses, 2)

@@ -55,7 +55,7 @@ PROGRESS_RAD = 0.05
 IDLE_TICKS = 2
 """Periods in a row in which standing still was the best choice, after which an action is blocked (ours)."""
 
-TRACE_EVERY = 4
+TRACE_EVERY = 10
 """Periods from one trace of what the controller weighed to the next (ours)."""
 
 RETURN_S = 1.2
