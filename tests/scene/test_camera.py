@@ -123,5 +123,13 @@ def test_without_anything_to_draw_with_the_command_is_named(monkeypatch: pytest.
         monkeypatch.setenv(name, "")
     monkeypatch.setattr(engine.sys, "platform", "linux")
     monkeypatch.setattr(engine, "_loads", lambda library: False)
-    with pytest.raises(TwonavError, match="apt-get install -y libegl1"):
+    with pytest.raises(TwonavError, match="apt-get install -y --no-install-recommends libegl1"):
         engine.choose_renderer()
+
+
+def test_the_set_up_installs_what_the_error_names() -> None:
+    from pathlib import Path
+
+    from twonav_cli.scene.engine import RENDERER_PACKAGES
+
+    assert f'packages="{RENDERER_PACKAGES}"' in (Path(__file__).parents[2] / "install_renderer.sh").read_text()

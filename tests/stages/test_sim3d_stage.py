@@ -36,7 +36,7 @@ def shared(floor: Floor) -> Iterator[Sim3dStage]:
 @pytest.fixture
 def stage(shared: Sim3dStage, monkeypatch: pytest.MonkeyPatch) -> Sim3dStage:
     """Return the stage with the simulator's truth."""
-    monkeypatch.setattr(shared, "_localize", None)
+    monkeypatch.setattr(shared, "localize", None)
     return shared
 
 
@@ -48,7 +48,7 @@ def lying(shared: Sim3dStage, monkeypatch: pytest.MonkeyPatch) -> MakeLiar:
     """Return a function that gives the stage a localizer which makes something else of the truth."""
 
     def make(lie: Callable[[Pose], Pose]) -> Sim3dStage:
-        monkeypatch.setattr(shared, "_localize", lambda image: lie(shared.world.pose()))
+        monkeypatch.setattr(shared, "localize", lambda image: lie(shared.world.pose()))
         return shared
 
     return make
