@@ -21,10 +21,13 @@ ROOT = Path(__file__).parents[1]
 
 
 @pytest.mark.parametrize("name", scene_names())
-def test_agent_and_localizer_belong_to_the_scene_and_its_map(name: str) -> None:
+def test_the_agent_belongs_to_the_scene_and_its_map(name: str) -> None:
     floor = read_floor(name)
     assert load_agent(floor, "3d").goal_names == list(floor.scene.goals)
-    assert callable(load_localize(floor))
+
+
+def test_the_apartments_localizer_belongs_to_it() -> None:
+    assert callable(load_localize(read_floor("apartment")))
 
 
 @pytest.mark.parametrize("name", scene_names())
@@ -34,10 +37,9 @@ def test_the_shipped_map_is_the_one_that_the_geometry_gives(name: str) -> None:
     assert (floor.map.occupied == occupied_from_geometry(read_scene(name), floor.map.frame)).all()
 
 
-@pytest.mark.parametrize("name", scene_names())
-def test_the_localizer_is_as_good_at_new_poses_as_its_card_says(name: str) -> None:
-    folder = checkpoints_dir() / name / "localizer"
-    found = localizer_errors(read_floor(name), folder, 200, 7, lambda done, total: None)["off_grid"]
+def test_the_localizer_is_as_good_at_new_poses_as_its_card_says() -> None:
+    folder = checkpoints_dir() / "apartment" / "localizer"
+    found = localizer_errors(read_floor("apartment"), folder, 200, 7, lambda done, total: None)["off_grid"]
     said = read_card(folder)["metrics"]["off_grid"]
     assert found["pos_median_m"] < 1.3 * said["pos_median_m"]
     assert found["ang_median_deg"] < 1.3 * said["ang_median_deg"]

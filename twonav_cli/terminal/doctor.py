@@ -12,6 +12,10 @@ from twonav_cli.paths import checkpoints_dir, runs_dir
 from twonav_cli.terminal.console import out
 
 
+DEFAULT_SCENE = "apartment"
+"""What `twonav play` plays in unless told otherwise."""
+
+
 def run_doctor(as_json: bool, warm_up: bool = False) -> int:
     """Report renderer, versions, device, scenes and checkpoints.
 
@@ -77,10 +81,11 @@ def _checkpoints() -> dict[str, str]:
     from twonav_cli.scene.catalog import read_scene, scene_names
 
     found: dict[str, str] = {
-        f"{name}/{kind}": f"error: missing, make it with `twonav train --stage {kind} --scene {name}`"
+        f"{name}/{kind}": f"none is shipped, make it with `twonav train --stage {kind} --scene {name}`"
         for name in scene_names()
         for kind in ("localizer", "maze")
     }
+    found |= {f"{DEFAULT_SCENE}/{kind}": "error: missing, restore it" for kind in ("localizer", "maze")}
     for card in sorted(checkpoints_dir().glob(f"*/*/{CARD_FILE}")):
         folder = card.parent
         name = f"{folder.parent.name}/{folder.name}"
