@@ -11,7 +11,6 @@ from twonav_cli.errors import TwonavError
 from twonav_cli.paths import checkpoints_dir, runs_dir
 from twonav_cli.terminal.console import out
 
-
 DEFAULT_SCENE = "apartment"
 """What `twonav play` plays in unless told otherwise."""
 
