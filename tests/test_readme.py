@@ -13,13 +13,15 @@ README = (ROOT / "README.md").read_text()
 
 def test_every_module_stands_in_the_tree_and_nothing_else() -> None:
     tree = README.split("```\ntwonav_cli/\n")[1].split("```")[0]
-    listed, folder = set(), ""
+    listed: set[str] = set()
+    folders: list[str] = []
     for line in tree.splitlines():
-        name = line.split()[0]
+        name, depth = line.split()[0], (len(line) - len(line.lstrip())) // 2
+        folders = folders[: max(depth - 1, 0)]
         if name.endswith("/"):
-            folder = name
+            folders.append(name)
         elif name.endswith(".py"):
-            listed.add((folder if line.startswith("    ") else "") + name)
+            listed.add("".join(folders) + name)
     package = ROOT / "twonav_cli"
     modules = {str(path.relative_to(package)) for path in package.rglob("*.py") if path.name != "__init__.py"}
     assert listed == modules

@@ -193,7 +193,7 @@ def off(pose: Pose, by_m: float) -> Pose:
 
 
 if __name__ == "__main__":
-    from twonav_cli.terminal.screen import run_screen
+    from twonav_cli.terminal.screen.play_screen import run_screen
 
     game = FakeGame(pause_s=0.05)
     code = run_screen(game.play, "twonav: apartment, 3d", keys=sys.argv[1] if len(sys.argv) > 1 else None)

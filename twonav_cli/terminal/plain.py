@@ -8,7 +8,7 @@ from typing import TextIO
 from twonav_cli.events import Event, Kidnapped, Note, RunEnded, RunStarted, StepTaken, TrialEnded, TrialStarted
 from twonav_cli.grid import Cell
 from twonav_cli.maze import Action
-from twonav_cli.terminal.game import GameState, advance, headline, pose_error, tally
+from twonav_cli.terminal.screen.game import GameState, advance, headline, pose_error, tally
 
 
 class PlainPrinter:

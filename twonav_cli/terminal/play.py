@@ -54,7 +54,7 @@ def run_play(request: PlayRequest) -> int:
     check_names(request.stage, request.localizer, request.base)
     path = _recording_path(request) if request.recording else None
     if not request.plain and screen_possible():
-        from twonav_cli.terminal.screen import run_screen
+        from twonav_cli.terminal.screen.play_screen import run_screen
 
         def start(sink: Sink, commands: queue.Queue[Command], stop: threading.Event) -> int:
             from twonav_cli.terminal.wishes import QueuedWishes

@@ -33,7 +33,7 @@ def run_list(as_json: bool) -> int:
 def run_show(name: str) -> int:
     """Draw the floor plan of a scene; returns the exit code."""
     from twonav_cli.mapping.floor import read_floor
-    from twonav_cli.terminal.plan_drawing import draw_scene
+    from twonav_cli.terminal.screen.plan_drawing import draw_scene
 
     floor = read_floor(name)
     console = out()

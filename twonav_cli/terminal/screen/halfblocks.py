@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from twonav_cli.terminal.picture import Picture, picture_of_glyphs, picture_of_pixels
+from twonav_cli.terminal.screen.picture import Picture, picture_of_glyphs, picture_of_pixels
 
 if TYPE_CHECKING:
     from rich.text import Text

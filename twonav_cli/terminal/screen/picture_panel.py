@@ -7,7 +7,7 @@ from rich.style import Style
 from textual.strip import Strip
 from textual.widget import Widget
 
-from twonav_cli.terminal.picture import Picture
+from twonav_cli.terminal.screen.picture import Picture
 
 
 class PicturePanel(Widget):

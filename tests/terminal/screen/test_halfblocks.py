@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from twonav_cli.terminal.halfblocks import image_picture, image_text, resized
-from twonav_cli.terminal.picture import HALF_BLOCK
+from twonav_cli.terminal.screen.halfblocks import image_picture, image_text, resized
+from twonav_cli.terminal.screen.picture import HALF_BLOCK
 
 
 def test_the_upper_pixel_is_ink_and_the_lower_one_paper() -> None:

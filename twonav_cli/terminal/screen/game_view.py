@@ -10,12 +10,12 @@ from rich.text import Text
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell
 from twonav_cli.maze import Action
-from twonav_cli.terminal import palette
-from twonav_cli.terminal.floor_plan import Plan, goal_key, plan_of_map, plan_of_maze
-from twonav_cli.terminal.game import GameState, headline, pose_error, tally
-from twonav_cli.terminal.keys import Controls
-from twonav_cli.terminal.palette import hexadecimal, viridis
-from twonav_cli.terminal.plan_drawing import Marks
+from twonav_cli.terminal.screen import palette
+from twonav_cli.terminal.screen.floor_plan import Plan, goal_key, plan_of_map, plan_of_maze
+from twonav_cli.terminal.screen.game import GameState, headline, pose_error, tally
+from twonav_cli.terminal.screen.keys import Controls
+from twonav_cli.terminal.screen.palette import hexadecimal, viridis
+from twonav_cli.terminal.screen.plan_drawing import Marks
 
 ARROWS = "↑↓←→"
 EIGHTHS = " ▏▎▍▌▋▊▉█"

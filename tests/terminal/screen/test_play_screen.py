@@ -19,9 +19,9 @@ from textual.widgets import Input, Static
 
 from twonav_cli.errors import TwonavError
 from twonav_cli.terminal.commands import GoTo, Kidnap, Quit
-from twonav_cli.terminal.screen import PlayScreen
-from twonav_cli.terminal.screen_layout import layout
-from twonav_cli.terminal.simulation_thread import SimulationThread
+from twonav_cli.terminal.screen.layout import layout
+from twonav_cli.terminal.screen.play_screen import PlayScreen
+from twonav_cli.terminal.screen.simulation_thread import SimulationThread
 
 Body = Callable[[PlayScreen, FakeGame, "Pilot[None]"], Awaitable[None]]
 
@@ -169,10 +169,14 @@ def test_leaving_restores_the_terminal(key: bytes) -> None:
 def in_terminal(key: bytes) -> tuple[bytes, int]:
     """Run the made-up game in a pseudo-terminal, press a key once the plan is there; returns output and exit code."""
     leader, follower = pty.openpty()
-    here = Path(__file__).resolve()
-    env = {**os.environ, "TERM": "xterm-256color", "COLUMNS": "80", "LINES": "24", "PYTHONPATH": str(here.parents[2])}
+    here = Path(__file__).resolve().parents[1]
+    env = {**os.environ, "TERM": "xterm-256color", "COLUMNS": "80", "LINES": "24", "PYTHONPATH": str(here.parents[1])}
     game = subprocess.Popen(
-        [sys.executable, str(here.parent / "fake_game.py")], stdin=follower, stdout=follower, stderr=follower, env=env
+        [sys.executable, str(here / "fake_game.py")],
+        stdin=follower,
+        stdout=follower,
+        stderr=follower,
+        env=env,
     )
     os.close(follower)
     output, pressed, deadline = b"", False, time.monotonic() + 30

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from twonav_cli.geometry import Pose, points_in_map
 from twonav_cli.grid import GridFrame
 from twonav_cli.maze import Maze
-from twonav_cli.terminal import palette
 from twonav_cli.terminal.console import in_colour
-from twonav_cli.terminal.floor_plan import Plan, Sheet, fitted, goal_key, plan_of_map, shares
-from twonav_cli.terminal.picture import Picture, picture_of_glyphs, picture_of_pixels
+from twonav_cli.terminal.screen import palette
+from twonav_cli.terminal.screen.floor_plan import Plan, Sheet, fitted, goal_key, plan_of_map, shares
+from twonav_cli.terminal.screen.picture import Picture, picture_of_glyphs, picture_of_pixels
 
 if TYPE_CHECKING:
     from rich.text import Text

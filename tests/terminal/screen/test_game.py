@@ -9,7 +9,7 @@ from fake_game import FakeGame
 from twonav_cli.events import Clock, Kidnapped, Note, QSnapshot, StepTaken, TrialEnded
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell
-from twonav_cli.terminal.game import (
+from twonav_cli.terminal.screen.game import (
     LOG_LINES,
     NO_ARROW,
     GameState,

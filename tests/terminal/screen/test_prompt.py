@@ -6,7 +6,7 @@ import pytest
 
 from twonav_cli.errors import TwonavError
 from twonav_cli.terminal.commands import GoTo, Kidnap, Move, Pause, Quit, Speed
-from twonav_cli.terminal.prompt import Answer, Press, Wait, read_keys, read_prompt
+from twonav_cli.terminal.screen.prompt import Answer, Press, Wait, read_keys, read_prompt
 
 GOALS = ["kitchen", "Living-Room", "kids-room"]
 

@@ -17,18 +17,18 @@ from textual.widgets import Input, Static
 
 from twonav_cli.errors import TwonavError
 from twonav_cli.events import RunStarted
-from twonav_cli.terminal import game_view
 from twonav_cli.terminal.commands import Quit
 from twonav_cli.terminal.console import colour_refused
-from twonav_cli.terminal.floor_plan import Plan
-from twonav_cli.terminal.game import GameState, advance
-from twonav_cli.terminal.halfblocks import image_picture
-from twonav_cli.terminal.keys import Controls, Pressed, after_commands, press
-from twonav_cli.terminal.picture_panel import PicturePanel
-from twonav_cli.terminal.plan_drawing import draw_plan
-from twonav_cli.terminal.prompt import VOCABULARY, Answer, Wait, read_keys, read_prompt
-from twonav_cli.terminal.screen_layout import PANELS, layout
-from twonav_cli.terminal.simulation_thread import SimulationThread, Start
+from twonav_cli.terminal.screen import game_view
+from twonav_cli.terminal.screen.floor_plan import Plan
+from twonav_cli.terminal.screen.game import GameState, advance
+from twonav_cli.terminal.screen.halfblocks import image_picture
+from twonav_cli.terminal.screen.keys import Controls, Pressed, after_commands, press
+from twonav_cli.terminal.screen.layout import PANELS, layout
+from twonav_cli.terminal.screen.picture_panel import PicturePanel
+from twonav_cli.terminal.screen.plan_drawing import draw_plan
+from twonav_cli.terminal.screen.prompt import VOCABULARY, Answer, Wait, read_keys, read_prompt
+from twonav_cli.terminal.screen.simulation_thread import SimulationThread, Start
 
 FRAMES_PER_S = 15
 KEY_GAP_S = 0.05

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 from twonav_cli.maze import Action
 from twonav_cli.terminal.commands import Command, GoTo, Kidnap, Move, Pause, Quit, SingleStep, Speed
-from twonav_cli.terminal.floor_plan import goal_key
-from twonav_cli.terminal.game import faster
+from twonav_cli.terminal.screen.floor_plan import goal_key
+from twonav_cli.terminal.screen.game import faster
 
 MOVES = {
     **dict.fromkeys(("up", "w"), Action.UP),

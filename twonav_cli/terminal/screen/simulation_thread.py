@@ -9,7 +9,7 @@ from collections.abc import Callable
 from twonav_cli.errors import TwonavError
 from twonav_cli.events import Sink
 from twonav_cli.terminal.commands import Command
-from twonav_cli.terminal.event_feed import EventFeed
+from twonav_cli.terminal.screen.event_feed import EventFeed
 
 Start = Callable[[Sink, "queue.Queue[Command]", threading.Event], int]
 """Runs the simulation: gets a sink, the player's commands and the signal to stop; returns the exit code."""

@@ -10,9 +10,9 @@ from fake_game import FRAME, GOALS, MAZE_FRAME, fake_map, fake_maze
 
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import GridFrame
-from twonav_cli.terminal import palette
-from twonav_cli.terminal.floor_plan import Plan, fitted, plan_of_map
-from twonav_cli.terminal.plan_drawing import Marks, draw_plan, draw_scene, heading_glyph
+from twonav_cli.terminal.screen import palette
+from twonav_cli.terminal.screen.floor_plan import Plan, fitted, plan_of_map
+from twonav_cli.terminal.screen.plan_drawing import Marks, draw_plan, draw_scene, heading_glyph
 
 
 def small_plan() -> Plan:

@@ -8,7 +8,7 @@ import numpy as np
 
 from twonav_cli.events import Clock, Note, Tick
 from twonav_cli.geometry import Pose
-from twonav_cli.terminal.event_feed import MOST_TICKS, EventFeed
+from twonav_cli.terminal.screen.event_feed import MOST_TICKS, EventFeed
 
 
 def tick(step: int) -> Tick:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from twonav_cli.terminal.commands import GoTo, Kidnap, Move, Pause, SingleStep, Speed
-from twonav_cli.terminal.keys import HELP, PROMPT, Controls, press
+from twonav_cli.terminal.screen.keys import HELP, PROMPT, Controls, press
 
 GOALS = [f"goal{n}" for n in range(12)]
 
