@@ -17,8 +17,9 @@ from pathlib import Path
 import numpy as np
 
 from twonav_cli.events import Clock, RunStarted, Sink, to_nobody
+from twonav_cli.experiments.maze_learning import learn_maze
 from twonav_cli.experiments.predecessors import load_agent, load_localize, make_stage
-from twonav_cli.experiments.trials import learn_maze, run_trial
+from twonav_cli.experiments.trials import run_trial
 from twonav_cli.learner.agent import Agent
 from twonav_cli.mapping.floor import Floor, read_floor
 from twonav_cli.recording.recorder import Recorder

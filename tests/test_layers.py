@@ -18,8 +18,8 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 NAMES = [".".join(("twonav_cli", *path.relative_to(PACKAGE).with_suffix("").parts)) for path in MODULES]
 
 LAYERS = (
-    "ground", "scene", "navigation", "mapping", "dataset", "localizer", "learner", "stages", "experiments", "recording",
-    "terminal",
+    "ground", "scene", "navigation", "mapping", "dataset", "localizer", "learner", "stages", "environments",
+    "experiments", "plotting", "recording", "terminal",
 )  # fmt: skip
 """A module imports from its own layer and from those before it."""
 
@@ -30,6 +30,8 @@ HEAVY = {
     "textual": lambda name: name.startswith("twonav_cli.terminal."),
     "rich": lambda name: name.startswith("twonav_cli.terminal."),
     "typer": lambda name: name.startswith("twonav_cli.terminal."),
+    "matplotlib": lambda name: name.startswith("twonav_cli.plotting."),
+    "gymnasium": lambda name: name.startswith("twonav_cli.environments."),
     "numba": lambda name: name == "twonav_cli.compiled",
 }
 """Package to the modules that may import it."""

@@ -26,8 +26,9 @@ class Rewards:
 
 @dataclass(frozen=True)
 class LearningConfig:
-    """How the multi-goal Q-learner learns in one stage."""
+    """How a Q-learner learns in one stage."""
 
+    learner: str = _setting("multi", "single, multi or an explorer: a key of LEARNERS (§4.3, explorers ours).")
     learning_rate: float = _setting(1.0, "Learning rate alpha of Eq. 2 (§4.3: 1.0 maze, 0.1 2D, 0.8 3D).")
     discount: float = _setting(0.95, "Discount gamma of Eq. 2 (ours; the paper does not say).")
     initial_q: float = _setting(80.0, "Value of every Q entry at the start (§4.3).")
@@ -37,6 +38,7 @@ class LearningConfig:
     epsilon: float = _setting(0.1, "Share of random actions of epsilon-greedy (§4.3.1).")
     replay_period_steps: int = _setting(500, "Actions between two sweeps of the replay buffer (ours).")
     replay_batch: int = _setting(32, "Mini-batch of a replay sweep (ours).")
+    backups_per_step: int = _setting(20, "Backups after each action of prioritized sweeping (ours).")
     initial_td_error: float = _setting(1e4, "Entry of the TD-error table before the first visit (ours).")
     trial_limit_steps: int = _setting(500, "Actions after which a trial fails (ours).")
     goal_selection: str = _setting("td-error", "td-error, random or sequential (§3.1.2).")
@@ -107,6 +109,9 @@ FRAME_SPACING_M = 0.25
 
 IMAGE_PX = 84
 """Edge of the camera image (§4.2.2)."""
+
+BASES = ("omni", "differential")
+"""What the robot drives on: it moves in any direction, or only along its heading (§3.1.3, Fig. 5)."""
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ R rows, C columns, A = 4 actions (up, down, left, right), G goals.
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -71,6 +71,16 @@ class Maze:
     def free_cells(self) -> list[Cell]:
         """Every free cell, row by row."""
         return [Cell(int(r), int(c)) for r, c in np.argwhere(~self.blocked)]
+
+    def with_goal(self, name: str, cell: Cell) -> Maze:
+        """Return the maze with one goal more, the last one.
+
+        Raises:
+            TwonavError: The name is taken, or the cell is blocked.
+        """
+        if name in self.goals:
+            raise TwonavError(f"there is a goal {name!r} already: choose another name")
+        return replace(self, goals={**self.goals, name: cell})
 
     def moved(self, cell: Cell, action: int) -> Cell:
         """Return the cell that an action leads to; a bump leaves the agent where it is."""

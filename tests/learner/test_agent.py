@@ -218,3 +218,14 @@ def test_a_card_that_does_not_describe_the_agent_is_refused(
     (tmp_path / CARD_FILE).write_text(json.dumps(signed({**card, key: value})))
     with pytest.raises(TwonavError, match="incomplete"):
         Agent.load(tmp_path)
+
+
+def test_the_td_table_tells_what_was_never_tried_from_what_was_right(agent: Agent) -> None:
+    before = agent.td_table()
+    assert before.shape == agent.table().shape
+    assert np.isnan(before[:, agent.free]).all()
+    cell = Cell(*(int(index) for index in np.argwhere(agent.free)[0]))
+    errors = agent.observe(cell, 1, cell, blocked=True)
+    after = agent.td_table()
+    assert np.array_equal(after[:, cell.row, cell.col, 1], errors)
+    assert np.isnan(after).sum() == np.isnan(before).sum() - len(errors)

@@ -8,8 +8,8 @@ import pytest
 from twonav_cli.config import LearningConfig
 from twonav_cli.grid import Cell
 from twonav_cli.learner.agent import Agent
-from twonav_cli.learner.exploration import boltzmann_probabilities
-from twonav_cli.learner.maze_loop import MazeLoop, boltzmann, drawn_action, first_state, greedy, uniform
+from twonav_cli.learner.draws import boltzmann, epsilon_greedy, first_state, gumbel_noise
+from twonav_cli.learner.maze_loop import MazeLoop
 from twonav_cli.maze import Maze
 
 
@@ -29,7 +29,10 @@ def learned_action_by_action(agent: Agent, maze: Maze, loop: MazeLoop, trials: i
         cell, taken = starts[trial % len(starts)], 0
         while cell != agent.goal_cells[goal] and taken < agent.config.trial_limit_steps:
             number = cell.row * maze.cols + cell.col
-            action = int(drawn_action(tables, loop.rules, number, goal, 1.0 / agent.temperature, state))
+            if agent.config.exploration == "boltzmann":
+                action = int(boltzmann(tables, number, goal, 1.0 / agent.temperature, gumbel_noise(), state))
+            else:
+                action = int(epsilon_greedy(tables, number, goal, agent.config.epsilon, state))
             next_cell = maze.moved(cell, action)
             agent.observe(cell, action, next_cell, blocked=next_cell == cell)
             cell, taken = next_cell, taken + 1
@@ -96,24 +99,3 @@ def test_a_trial_fails_at_its_limit() -> None:
     assert rows.steps.tolist() == [3, 3, 3, 3]
     assert not rows.reached.any()
     assert agent.progress.consecutive.tolist() == [0, 0]
-
-
-def test_random_numbers_are_uniform() -> None:
-    state = np.array([first_state(0)], dtype=np.uint64)
-    drawn = np.array([uniform(state) for _ in range(20_000)])
-    assert 0 <= drawn.min() < drawn.max() < 1
-    assert np.abs(np.histogram(drawn, 10, (0, 1))[0] / 20_000 - 0.1).max() < 0.01
-
-
-def test_compiled_boltzmann_draws_by_the_probabilities_of_eq_6() -> None:
-    values, state = np.array([0.0, 2.0, 4.0, 6.0]), np.array([99], dtype=np.uint64)
-    q = values.reshape(1, 4, 1)
-    drawn = np.bincount([boltzmann(q, 0, 0, 0.5, state) for _ in range(20_000)], minlength=4) / 20_000
-    assert np.abs(drawn - boltzmann_probabilities(values, 2.0)).max() < 0.015
-
-
-def test_compiled_greedy_breaks_ties_evenly() -> None:
-    q, state = np.array([7.0, 1.0, 7.0, 7.0]).reshape(1, 4, 1), np.array([99], dtype=np.uint64)
-    drawn = np.bincount([greedy(q, 0, 0, state) for _ in range(6000)], minlength=4)
-    assert drawn[1] == 0
-    assert drawn[[0, 2, 3]].min() > 1800

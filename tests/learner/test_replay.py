@@ -1,5 +1,7 @@
 """The replay buffer and its sweep."""
 
+import copy
+
 import numpy as np
 
 from twonav_cli.config import LearningConfig
@@ -66,3 +68,22 @@ def test_a_buffer_survives_being_written_as_an_array() -> None:
     again = Replay.from_array(replay.to_array())
     assert list(again.counts.items()) == list(replay.counts.items())
     assert Replay.from_array(Replay().to_array()).counts == {}
+
+
+def test_an_array_holds_what_was_added_since_the_last_one() -> None:
+    replay = corridor()
+    first = replay.to_array()
+    replay.add(Experience(B, 3, C, False))
+    replay.add(Experience(B, 3, B, True))
+    assert first[:, -1].tolist() == [1, 1]
+    assert replay.to_array().tolist() == [[0, 0, 3, 0, 1, 0, 1], [0, 1, 3, 0, 2, 0, 2], [0, 1, 3, 0, 1, 1, 1]]
+
+
+def test_a_copy_grows_on_its_own() -> None:
+    replay = corridor()
+    replay.to_array()
+    copied = copy.deepcopy(replay)
+    copied.add(Experience(B, 3, B, True))
+    replay.add(Experience(A, 3, B, False))
+    assert replay.to_array()[:, -1].tolist() == [2, 1]
+    assert copied.to_array()[:, -1].tolist() == [1, 1, 1]

@@ -6,6 +6,7 @@ one action updates all of them.
 
 from __future__ import annotations
 
+import re
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -17,9 +18,11 @@ from twonav_cli.checkpoint import load_checkpoint, save_checkpoint
 from twonav_cli.config import LearningConfig, Rewards
 from twonav_cli.errors import TwonavError, unknown_name
 from twonav_cli.grid import Cell
-from twonav_cli.learner.exploration import EXPLORATIONS, explored_action, greedy_action
+from twonav_cli.learner.exploration import COLDEST, EXPLORATIONS, explored_action, greedy_action
 from twonav_cli.learner.goals import GOAL_SELECTIONS, Progress, goals_at, rewards_of_goals
+from twonav_cli.learner.learners import LEARNERS
 from twonav_cli.learner.q_learning import squared_td_errors, td_targets, updated_q_of_goals
+from twonav_cli.learner.relabel import NewGoal, cells_where, remembered, tried_entries, values_from_rows
 from twonav_cli.learner.replay import ROW_LENGTH, Experience, Replay, sweep
 from twonav_cli.maze import Action, Maze
 from twonav_cli.rng import stream
@@ -27,8 +30,8 @@ from twonav_cli.rng import stream
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-COLDEST = 1e-6
-"""Temperature at which the decay ends (ours): the softmax is greedy long before, and at zero it would not exist."""
+NAME_LETTERS = 40
+"""Length of a new goal's name at most: it must fit where goals are listed (ours)."""
 
 
 def checked(config: LearningConfig) -> LearningConfig:
@@ -45,6 +48,7 @@ def checked(config: LearningConfig) -> LearningConfig:
         ("epsilon", 0 <= config.epsilon <= 1, "between 0 and 1"),
         ("replay_period_steps", config.replay_period_steps >= 1, "at least 1"),
         ("replay_batch", config.replay_batch >= 1, "at least 1"),
+        ("backups_per_step", config.backups_per_step >= 1, "at least 1"),
         ("trial_limit_steps", config.trial_limit_steps >= 1, "at least 1"),
         ("consecutive_successes", config.consecutive_successes >= 1, "at least 1"),
         ("max_step_difference", config.max_step_difference > 0, "above 0"),
@@ -55,6 +59,8 @@ def checked(config: LearningConfig) -> LearningConfig:
     for name, right, range_text in ranges:
         if not right:
             raise TwonavError(f"{name.replace('_', ' ')} must be {range_text}: {getattr(config, name)} was given")
+    if config.learner not in LEARNERS:
+        raise unknown_name("learner", config.learner, LEARNERS)
     if config.exploration not in EXPLORATIONS:
         raise unknown_name("exploration", config.exploration, EXPLORATIONS)
     if config.goal_selection not in GOAL_SELECTIONS:
@@ -73,7 +79,9 @@ class Agent:
         goal_names: [G].
         goal_cells: [G].
         temperature: Of Eq. 6, now.
-        replay: Every experience in this stage.
+        replay: Every experience of this run.
+        earlier_here: Experience of earlier runs in this stage: only `add_goal` uses it, it is neither swept nor saved.
+        earlier_elsewhere: The same of the stage before; what was tried in this one counts instead of it.
         progress: Where a learning run stands.
     """
 
@@ -103,6 +111,7 @@ class Agent:
         self.td: FloatArray = np.where(free[..., None, None], config.initial_td_error, 0.0) * np.ones(shape)
         self.temperature = config.temperature
         self.replay = Replay()
+        self.earlier_here, self.earlier_elsewhere = Replay(), Replay()
         self.steps_since_sweep = 0
         self.sweeps = 0
         self.progress = Progress.fresh(len(goals), starts, config.consecutive_successes)
@@ -192,6 +201,62 @@ class Agent:
         """Return a copy of the values as [G, R, C, A]."""
         return np.ascontiguousarray(np.moveaxis(self.q, 3, 0))
 
+    def td_table(self) -> FloatArray:
+        """Return the squared TD errors of the latest visits as [G, R, C, A], not a number where there was none.
+
+        An entry that has its initial value was never visited; an initial value of 0 cannot be told from a visit.
+        """
+        untried = (self.td == self.config.initial_td_error) & (self.config.initial_td_error > 0)
+        return np.ascontiguousarray(np.moveaxis(np.where(untried, np.nan, self.td), 3, 0))
+
+    def add_goal(self, cell: Cell, name: str | None = None) -> NewGoal:
+        """Add a goal and learn its values from what was experienced, with no step in the environment (ours, after §2).
+
+        Its values are those of `values_from_experience`; its TD errors are 0 where an action was tried. A `MazeLoop`
+        that was made before goes on with the tables as they were.
+
+        Args:
+            cell: A free cell; another goal may lie there too.
+            name: Of letters, digits, - and _, blanks inside; None for "goal-N".
+
+        Raises:
+            TwonavError: The cell is blocked or outside, the name is taken or odd, or nothing was experienced yet.
+        """
+        name = self._name_of_new(name)
+        inside = 0 <= cell[0] < self.free.shape[0] and 0 <= cell[1] < self.free.shape[1]
+        if not inside or not self.free[cell]:
+            raise TwonavError(f"goal {name!r} would lie in the blocked cell {tuple(cell)}: choose a free one")
+        rows = remembered(self.free, (self.replay, self.earlier_here), self.earlier_elsewhere)
+        if len(rows) == 0:
+            raise TwonavError("the agent has experienced nothing yet that a goal could be learned from: train it first")
+        q, has_way = values_from_rows(self.free, rows, cell, self.config)
+        untried: BoolArray = self.free[..., None] & ~tried_entries(self.free, rows)  # (R, C, A)
+        td = np.where(untried, self.config.initial_td_error, 0.0)
+        self.q = np.concatenate((self.q, q[..., None]), axis=3)
+        self.td = np.concatenate((self.td, td[..., None]), axis=3)
+        self.goal_names.append(name)
+        self.goal_cells.append(Cell(*cell))
+        self.progress.learned = np.append(self.progress.learned, False)
+        self.progress.trials_of_goal.append(0)
+        self.progress.steps_of_goal.append(0)
+        return NewGoal(
+            len(self.goal_names) - 1, name, cells_where(self.free & ~has_way),
+            cells_where(np.logical_or.reduce(untried, axis=2)), int(rows[:, -1].sum()),
+        )  # fmt: skip
+
+    def _name_of_new(self, name: str | None) -> str:
+        """Return the name of a goal that is added; upper and lower case do not tell two apart."""
+        taken = {known.casefold() for known in self.goal_names}
+        if name is None:
+            return next(f"goal-{i}" for i in range(len(taken) + 1, 2 * len(taken) + 2) if f"goal-{i}" not in taken)
+        if len(name) > NAME_LETTERS or not re.fullmatch(r"\w(?:[\w -]*\w)?", name):
+            raise TwonavError(
+                f"{name!r} is no name for a goal: use up to {NAME_LETTERS} letters and digits, with - or _ between"
+            )
+        if name.casefold() in taken:
+            raise TwonavError(f"there is a goal {name!r} already: choose another name")
+        return name
+
     def begin_goal(self, goal: int) -> None:
         """Turn to a goal: its confirmation starts at zero, and the temperature at its first value.
 
@@ -246,7 +311,8 @@ class Agent:
             scene_digest: The scene it must have been made for, unless None.
             map_digest: The map it must have been made for, unless None.
             config: None to go on with the saved run. Settings of another stage keep the tables and begin a new run:
-                no goal learned yet, an empty replay buffer (what happened elsewhere may not happen here), T anew.
+                no goal learned yet, an empty replay buffer (what happened elsewhere may not happen here; the saved one
+                becomes `earlier_elsewhere`), T anew.
 
         Raises:
             TwonavError: Missing, damaged, made for something else, or tables of the wrong shape.
@@ -280,6 +346,8 @@ def _agent_from(arrays: dict[str, NDArray[Any]], card: dict[str, Any], config: L
             raise ValueError(f"goal in the blocked cell {tuple(cell)}")
     if config is None:
         _resume(agent, arrays, card)
+    else:
+        agent.earlier_elsewhere = Replay.from_array(arrays["replay"].reshape(-1, ROW_LENGTH))
     return agent
 
 

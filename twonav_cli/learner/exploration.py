@@ -15,6 +15,9 @@ FloatArray = NDArray[np.float64]
 EXPLORATIONS = ("boltzmann", "epsilon-greedy")
 """Names of the exploration rules (§4.3)."""
 
+COLDEST = 1e-6
+"""Temperature at which the decay ends (ours): the softmax is greedy long before, and at zero it would not exist."""
+
 
 def boltzmann_probabilities(values: FloatArray, temperature: float) -> FloatArray:
     """Return the probability of every action [A] at a temperature (Eq. 6).

@@ -103,6 +103,9 @@ class Progress:
     next_start: int = 0
     explore_state: int = 0
     """State of the compiled loop's random numbers; 0 before the first trial."""
+    optimal_at: int = -1
+    """Actions of the run after which the greedy way from every start to every goal was first a shortest one; -1 before
+    that. Only the compiled loop of the maze looks for it."""
     trials_of_goal: list[int] = field(default_factory=list)
     """[G] trials spent on each goal."""
     steps_of_goal: list[int] = field(default_factory=list)

@@ -1,292 +1,110 @@
-"""The compiled learning loop of the maze: many trials per call, the same arithmetic as `Agent.observe`.
+"""An agent in a maze with the compiled trials: every learner runs through here, by whole trials or single actions.
 
-N cells numbered row by row, A = 4 actions, G goals, S starts, W trials of the confirmation window, n trials of a call.
-Per action it costs about as much to update ten goals as one, because goals are innermost in memory.
+N cells numbered row by row, A = 4 actions, G goals, S starts, n trials of a call.
 """
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from twonav_cli.compiled import compiled
+from twonav_cli.errors import TwonavError
 from twonav_cli.grid import Cell
-from twonav_cli.learner.agent import COLDEST, Agent
-from twonav_cli.learner.goals import is_learned, record_trial
+from twonav_cli.learner.agent import Agent
+from twonav_cli.learner.draws import ACTIONS, StateArray, first_state, gumbel_noise
+from twonav_cli.learner.maze_kernel import (
+    CELL,
+    EXPLORED,
+    MULTI,
+    NEAREST,
+    NOBODY,
+    OPTIMAL_AT,
+    PRIORITIZED,
+    SINCE_SWEEP,
+    SINGLE,
+    START,
+    STEP,
+    SWEEPS,
+    TAKEN,
+    Columns,
+    IntArray,
+    Rules,
+    Tables,
+    Ways,
+    distances,
+)
+from twonav_cli.learner.maze_trials import run_trials
+from twonav_cli.learner.nearest_untried import plan
 from twonav_cli.learner.replay import Experience, Replay
-from twonav_cli.maze import Action, Maze
-from twonav_cli.rng import stream
+from twonav_cli.maze import OFFSETS, Maze
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-StateArray = NDArray[np.uint64]
+STRATEGIES = {
+    "single": SINGLE,
+    "multi": MULTI,
+    "optimistic": MULTI,
+    "prioritized-sweeping": PRIORITIZED,
+    "nearest-untried": NEAREST,
+    "oracle": MULTI,
+}
+"""Learner to what the compiled loop does after an action; optimistic and oracle differ from multi in their settings."""
 
-ACTIONS = 4
-NEGLIGIBLE = -40.0
-"""Exponent below which an action's weight is taken as zero: e^-40 is under the rounding of a sum that holds a 1."""
-
-SHIFT_A, SHIFT_B, SHIFT_C = np.uint64(12), np.uint64(25), np.uint64(27)
-MULTIPLIER = np.uint64(0x2545F4914F6CDD1D)
-TO_53_BITS = np.uint64(11)
-
-
-class Tables(NamedTuple):
-    """What learning changes."""
-
-    q: FloatArray  # [N, A, G]
-    td: FloatArray  # [N, A, G]
-    td_sum: FloatArray  # [G] sum of td over the free cells
-    counts: IntArray  # [N, A] experiences; the maze is deterministic, so cell and action tell the rest
-    targets: FloatArray  # [N, A, G] scratch of a sweep
+NO_LIMIT = 2**62
 
 
-class Ways(NamedTuple):
-    """What an action leads to."""
+class Advance(NamedTuple):
+    """Where a run stands after `MazeLoop.advance`."""
 
-    next_cell: IntArray  # [N, A]
-    goal_cells: IntArray  # [G]
-    start_cells: IntArray  # [S]
-    shortest: IntArray  # [S, G]
-
-
-class Rules(NamedTuple):
-    """The settings, as the loop reads them."""
-
-    learning_rate: float
-    discount: float
-    reward_goal: float
-    reward_blocked: float
-    reward_step: float
-    is_boltzmann: bool
-    epsilon: float
-    decay: float
-    period: int
-    limit: int
-    max_step_difference: float
-    free_entries: int
-
-
-class Columns(NamedTuple):
-    """One row per trial."""
-
-    start: IntArray  # [n]
-    steps: IntArray  # [n]
-    reached: NDArray[np.bool_]  # [n]
-    td_errors: FloatArray  # [n, G]
-
-
-@compiled
-def uniform(state: StateArray) -> float:
-    """Return a number in [0, 1) and move the generator on (xorshift64*, Vigna 2016)."""
-    x = state[0]
-    x ^= x >> SHIFT_A
-    x ^= x << SHIFT_B
-    x ^= x >> SHIFT_C
-    state[0] = x
-    return float((x * MULTIPLIER) >> TO_53_BITS) * (1.0 / 9007199254740992.0)
-
-
-@compiled
-def greedy(q: FloatArray, cell: int, goal: int, state: StateArray) -> int:
-    """Return an action of largest value, ties broken at random."""
-    best, ties, action = q[cell, 0, goal], 1, 0
-    for a in range(1, ACTIONS):
-        value = q[cell, a, goal]
-        if value > best:
-            best, ties, action = value, 1, a
-        elif value == best:
-            ties += 1
-            if uniform(state) * ties < 1.0:
-                action = a
-    return action
-
-
-@compiled
-def boltzmann(q: FloatArray, cell: int, goal: int, per_temperature: float, state: StateArray) -> int:
-    """Return an action drawn from the Boltzmann probabilities (Eq. 6)."""
-    v0, v1, v2, v3 = q[cell, 0, goal], q[cell, 1, goal], q[cell, 2, goal], q[cell, 3, goal]
-    best = max(max(v0, v1), max(v2, v3))
-    w0 = weight((v0 - best) * per_temperature)
-    w1 = w0 + weight((v1 - best) * per_temperature)
-    w2 = w1 + weight((v2 - best) * per_temperature)
-    w3 = w2 + weight((v3 - best) * per_temperature)
-    drawn = uniform(state) * w3
-    return int(drawn >= w0) + int(drawn >= w1) + int(drawn >= w2)
-
-
-@compiled
-def weight(exponent: float) -> float:
-    """Return exp(exponent) for an exponent of at most 0, skipping the exponential where it is not needed."""
-    if exponent == 0.0:
-        return 1.0
-    if exponent < NEGLIGIBLE:
-        return 0.0
-    return math.exp(exponent)
-
-
-@compiled
-def drawn_action(q: FloatArray, rules: Rules, cell: int, goal: int, per_temperature: float, state: StateArray) -> int:
-    """Return the action to explore with."""
-    if rules.is_boltzmann:
-        return boltzmann(q, cell, goal, per_temperature, state)
-    if uniform(state) < rules.epsilon:
-        return int(uniform(state) * ACTIONS)
-    return greedy(q, cell, goal, state)
-
-
-@compiled
-def target_of(q: FloatArray, rules: Rules, cell: int, next_cell: int, goal_cell: int, goal: int) -> float:
-    """Return the target of one goal for one action (inside Eq. 2)."""
-    reward = rules.reward_blocked if next_cell == cell else rules.reward_step
-    if next_cell == goal_cell:
-        return reward if next_cell == cell else rules.reward_goal
-    best = max(max(q[next_cell, 0, goal], q[next_cell, 1, goal]), max(q[next_cell, 2, goal], q[next_cell, 3, goal]))
-    return float(reward + rules.discount * best)
-
-
-@compiled
-def learn_step(
-    q: FloatArray,
-    td: FloatArray,
-    td_sum: FloatArray,
-    goal_cells: IntArray,
-    rules: Rules,
-    cell: int,
-    action: int,
-    next_cell: int,
-) -> None:
-    """Update every goal from one action (Eq. 2), with its squared TD error (Eq. 3)."""
-    for g in range(q.shape[2]):
-        error = target_of(q, rules, cell, next_cell, goal_cells[g], g) - q[cell, action, g]
-        squared = error * error
-        td_sum[g] += squared - td[cell, action, g]
-        td[cell, action, g] = squared
-        q[cell, action, g] += rules.learning_rate * error
-
-
-@compiled
-def sweep_all(
-    q: FloatArray, counts: IntArray, targets: FloatArray, next_cells: IntArray, goal_cells: IntArray, rules: Rules
-) -> None:
-    """Sweep the replay buffer once: all targets first, then every update (§3.1.1).
-
-    Copies of an experience have one target here: k updates toward it are one of rate 1 - (1 - alpha)^k, in any order.
-    """
-    cells, actions, goals = q.shape
-    for cell in range(cells):
-        for a in range(actions):
-            if counts[cell, a] > 0:
-                for g in range(goals):
-                    targets[cell, a, g] = target_of(q, rules, cell, next_cells[cell, a], goal_cells[g], g)
-    for cell in range(cells):
-        for a in range(actions):
-            if counts[cell, a] > 0:
-                left = 1.0 - rules.learning_rate
-                rate = 1.0 - left ** counts[cell, a] if left > 0.0 else 1.0
-                for g in range(goals):
-                    q[cell, a, g] += rate * (targets[cell, a, g] - q[cell, a, g])
-
-
-@compiled
-def run_trial(
-    tables: Tables,
-    ways: Ways,
-    rules: Rules,
-    start: int,
-    goal: int,
-    temperature: float,
-    clock: IntArray,
-    state: StateArray,
-) -> int:
-    """Run one trial and return the number of actions, negative when the goal was not reached.
-
-    `clock` counts [actions since the last sweep, sweeps]. The arrays are taken out of their tuples first: handing the
-    tuples on would count references at every action, which costs ten times the update itself.
-    """
-    q, td, td_sum, counts = tables.q, tables.td, tables.td_sum, tables.counts
-    next_cells, goal_cells = ways.next_cell, ways.goal_cells
-    cell, goal_cell, steps = ways.start_cells[start], ways.goal_cells[goal], 0
-    per_temperature = 1.0 / temperature
-    while cell != goal_cell and steps < rules.limit:
-        action = drawn_action(q, rules, cell, goal, per_temperature, state)
-        next_cell = next_cells[cell, action]
-        learn_step(q, td, td_sum, goal_cells, rules, cell, action, next_cell)
-        counts[cell, action] += 1
-        clock[0] += 1
-        if clock[0] >= rules.period:
-            sweep_all(q, counts, tables.targets, next_cells, goal_cells, rules)
-            clock[0] = 0
-            clock[1] += 1
-        cell = next_cell
-        steps += 1
-    return steps if cell == goal_cell else -steps
-
-
-@compiled
-def run_trials(
-    tables: Tables,
-    ways: Ways,
-    rules: Rules,
-    columns: Columns,
-    consecutive: IntArray,
-    window: IntArray,
-    goal: int,
-    next_start: int,
-    temperature: float,
-    clock: IntArray,
-    state: StateArray,
-) -> tuple[int, float, bool]:
-    """Run up to n trials at one goal, from each start in turn, until it is learned.
-
-    Returns:
-        Number of trials, the temperature after them, and whether the goal is learned.
-    """
-    starts = ways.start_cells.shape[0]
-    for i in range(columns.start.shape[0]):
-        start = (next_start + i) % starts
-        signed = run_trial(tables, ways, rules, start, goal, temperature, clock, state)
-        reached = signed > 0 or ways.start_cells[start] == ways.goal_cells[goal]
-        record_trial(consecutive, window, start, abs(signed), reached)
-        temperature = max(temperature * rules.decay, COLDEST)
-        columns.start[i], columns.steps[i], columns.reached[i] = start, abs(signed), reached
-        for g in range(tables.td_sum.shape[0]):
-            columns.td_errors[i, g] = max(tables.td_sum[g], 0.0) / rules.free_entries
-        # The criterion is asked once a round, so that every goal gets the same number of trials from each start.
-        if start == starts - 1 and is_learned(consecutive, window, rules.max_step_difference):
-            return i + 1, temperature, True
-    return columns.start.shape[0], temperature, False
+    cell: Cell
+    start: Cell
+    goal: int
+    steps_in_trial: int
+    rows: Columns
+    learned: bool
 
 
 def tables_of(agent: Agent) -> Tables:
     """Return the agent's tables as the loop sees them; q and td share their memory with the agent's."""
     rows, cols, actions, goals = agent.q.shape
-    shape = (rows * cols, actions, goals)
-    counts = np.zeros(shape[:2], dtype=np.int64)
+    cells = rows * cols
+    shape = (cells, actions, goals)
+    counts = np.zeros((cells, actions), dtype=np.int64)
     for (cell, action, _next, _blocked), number in agent.replay.counts.items():
         counts[cell.row * cols + cell.col, action] += number
-    return Tables(agent.q.reshape(shape), agent.td.reshape(shape), np.zeros(goals), counts, np.zeros(shape))
+    q, td = agent.q.reshape(shape), agent.td.reshape(shape)
+    return Tables(q, td, np.zeros(goals), counts, np.zeros((cells, goals)), np.zeros(cells * actions), gumbel_noise())
 
 
-def ways_of(maze: Maze) -> Ways:
-    """Return what every action leads to; a blocked cell leads nowhere."""
-    numbers = np.arange(maze.rows * maze.cols).reshape(maze.rows, maze.cols)
+def ways_of(maze: Maze, rules: Rules) -> Ways:
+    """Return what every action leads to and earns; a blocked cell leads nowhere."""
+    cells = maze.rows * maze.cols
+    numbers = np.arange(cells).reshape(maze.rows, maze.cols)
     next_cell = np.repeat(numbers.reshape(-1, 1), ACTIONS, axis=1)
-    for cell in maze.free_cells:
-        for action in Action:
-            next_cell[numbers[cell], action] = numbers[maze.moved(cell, action)]
+    into = np.full((cells, 2 * ACTIONS), NOBODY)
+    framed = np.pad(~maze.blocked, 1)
+    for action, (d_row, d_col) in enumerate(OFFSETS):
+        onward_free = framed[1 + d_row : 1 + d_row + maze.rows, 1 + d_col : 1 + d_col + maze.cols]
+        moves = numbers[~maze.blocked & onward_free]
+        next_cell[moves, action] = moves + d_row * maze.cols + d_col
+        into[next_cell[moves, action], action] = moves * ACTIONS + action
+        bumps = numbers[~maze.blocked & ~onward_free]
+        into[bumps, ACTIONS + action] = bumps * ACTIONS + action
     goal_cells = np.array([numbers[cell] for cell in maze.goals.values()])
-    start_cells = np.array([numbers[cell] for cell in maze.starts.values()])
-    distances = np.stack([maze.distances_to(cell).reshape(-1) for cell in maze.goals.values()], axis=1)
-    return Ways(next_cell, goal_cells, start_cells, distances[start_cells].astype(np.int64))
+    start_cells = np.array([numbers[cell] for cell in maze.starts.values()], dtype=np.int64)
+    distance = distances(into, goal_cells)
+    reward, discount = np.full((cells + 1, len(goal_cells)), rules.reward_step), np.full(distance.shape, rules.discount)
+    reward[goal_cells, range(len(goal_cells))], discount[goal_cells, range(len(goal_cells))] = rules.reward_goal, 0.0
+    reward[cells] = rules.reward_blocked
+    reward_row = np.where(next_cell == numbers.reshape(-1, 1), cells, next_cell)
+    shortest = distance[start_cells]
+    return Ways(next_cell, into, goal_cells, start_cells, reward, reward_row, discount, distance, shortest)
 
 
 def rules_of(agent: Agent) -> Rules:
     """Return the agent's settings as the loop reads them."""
     config, rewards = agent.config, agent.config.rewards
     return Rules(
+        strategy=STRATEGIES[config.learner],
         learning_rate=float(config.learning_rate),
         discount=float(config.discount),
         reward_goal=float(rewards.goal),
@@ -296,39 +114,56 @@ def rules_of(agent: Agent) -> Rules:
         epsilon=float(config.epsilon),
         decay=float(config.temperature_decay),
         period=int(config.replay_period_steps),
+        backups=int(config.backups_per_step),
         limit=int(config.trial_limit_steps),
         max_step_difference=float(config.max_step_difference),
         free_entries=int(agent.free.sum()) * ACTIONS,
     )
 
 
-def replay_of(tables: Tables, maze: Maze) -> Replay:
-    """Return the experiences that the loop counted as a replay buffer."""
+def replay_of(tables: Tables, ways: Ways, cols: int) -> Replay:
+    """Return the experiences that the loop counted as a replay buffer, for a maze of so many columns."""
+    cells, actions = np.nonzero(tables.counts)
+    rows = zip(cells.tolist(), actions.tolist(), ways.next_cell[cells, actions].tolist(), strict=True)
     replay = Replay()
-    for number, action in np.argwhere(tables.counts > 0).tolist():
-        cell = Cell(*divmod(number, maze.cols))
-        next_cell = maze.moved(cell, action)
-        experience = Experience(cell, action, next_cell, next_cell == cell)
-        replay.add(experience, int(tables.counts[number, action]))
+    for (cell, action, onward), number in zip(rows, tables.counts[cells, actions].tolist(), strict=True):
+        here, there = Cell(*divmod(cell, cols)), Cell(*divmod(onward, cols))
+        replay.counts[Experience(here, action, there, onward == cell)] = number
     return replay
 
 
-def first_state(seed: int) -> int:
-    """Return the first state of the loop's random numbers: 64 bits, never 0."""
-    return int(stream(seed, "explore").integers(1, 2**63))
+def columns_of(trials: int, goals: int) -> Columns:
+    """Return empty columns."""
+    whole = np.zeros(trials, dtype=np.int64)
+    return Columns(whole, whole.copy(), np.zeros(trials, dtype=np.bool_), np.zeros((trials, goals)))
 
 
 class MazeLoop:
-    """An agent, a maze, and everything the compiled loop needs of them."""
+    """An agent, a maze, and everything the compiled loop needs of them.
+
+    Attributes:
+        agent: Learns in place.
+        maze: The agent's.
+        ways: What the loop knows of the maze.
+    """
 
     def __init__(self, agent: Agent, maze: Maze, seed: int, trials_per_call: int = 500) -> None:
         self.agent, self.maze = agent, maze
-        self.tables, self.ways, self.rules = tables_of(agent), ways_of(maze), rules_of(agent)
-        n, goals = trials_per_call, len(agent.goal_names)
-        self.columns = Columns(
-            np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.bool_), np.zeros((n, goals))
-        )
-        self.state: StateArray = np.array([agent.progress.explore_state or first_state(seed)], dtype=np.uint64)
+        self.tables, self.rules = tables_of(agent), rules_of(agent)
+        self.ways = ways_of(maze, self.rules)
+        self.columns = columns_of(trials_per_call, len(agent.goal_names))
+        progress = agent.progress
+        self.state: StateArray = np.array([progress.explore_state or first_state(seed)], dtype=np.uint64)
+        self.at: IntArray = np.full(10, NOBODY, dtype=np.int64)
+        self.at[EXPLORED] = int(self.rules.strategy != NEAREST)
+        self._goal_begun = progress.goal
+        if agent.config.learner == "oracle" and progress.step == 0:
+            self._tell_everything()
+
+    def _tell_everything(self) -> None:
+        """Give the oracle the whole maze: every experience, and the values that follow from them."""
+        self.tables.counts[self.agent.free.reshape(-1)] = 1
+        plan(self.tables.q, self.tables.counts, self.ways, self.rules)
 
     def run(self) -> tuple[Columns, bool]:
         """Run trials at the current goal of the agent's progress, and bring agent and progress up to date.
@@ -336,11 +171,44 @@ class MazeLoop:
         Returns:
             One row per trial, and whether the goal is learned.
         """
-        agent, progress = self.agent, self.agent.progress
+        return self._run(NO_LIMIT, len(self.columns.start))
+
+    def advance(self, actions: int, trials: int | None = None) -> Advance:
+        """Run at most so many actions (and trials) at the current goal; the sum of calls is what `run` does.
+
+        Args:
+            actions: May end inside a trial, which the next call goes on with.
+            trials: The size of a call when None.
+        """
+        at_most = len(self.columns.start) if trials is None else min(trials, len(self.columns.start))
+        rows, learned = self._run(actions, at_most)
+        between = self.at[TAKEN] == NOBODY
+        start = list(self.maze.starts.values())[int(self.at[START])]
+        cell = start if between else Cell(*divmod(int(self.at[CELL]), self.maze.cols))
+        return Advance(cell, start, self.agent.progress.goal, 0 if between else int(self.at[TAKEN]), rows, learned)
+
+    @property
+    def in_trial(self) -> bool:
+        """Whether the last call ended inside a trial."""
+        return bool(self.at[TAKEN] != NOBODY)
+
+    def visits(self) -> IntArray:
+        """Return how often every action was taken in every cell [R, C, A]."""
+        return self.tables.counts.reshape(self.maze.rows, self.maze.cols, ACTIONS).copy()
+
+    def _run(self, actions: int, trials: int) -> tuple[Columns, bool]:
+        agent, progress, at = self.agent, self.agent.progress, self.at
+        if progress.goal == NOBODY:
+            raise TwonavError("no goal is chosen yet: choose one with `Agent.begin_goal`")
+        if progress.goal != self._goal_begun:
+            self._begin_goal()
         # Summed anew at each call, so that the rounding of the running sum cannot build up.
         self.tables.td_sum[:] = agent.td_error_of_goals() * self.rules.free_entries
-        clock = np.array([agent.steps_since_sweep, agent.sweeps])
-        trials, agent.temperature, learned = run_trials(
+        at[SINCE_SWEEP], at[SWEEPS], at[STEP] = agent.steps_since_sweep, agent.sweeps, progress.step
+        at[OPTIMAL_AT] = progress.optimal_at
+        if not self.in_trial:
+            at[START] = progress.next_start
+        ended, agent.temperature, learned = run_trials(
             self.tables,
             self.ways,
             self.rules,
@@ -348,22 +216,43 @@ class MazeLoop:
             progress.consecutive,
             progress.window,
             progress.goal,
-            progress.next_start,
             agent.temperature,
-            clock,
+            at,
             self.state,
+            actions,
+            trials,
         )
-        agent.steps_since_sweep, agent.sweeps = int(clock[0]), int(clock[1])
-        start, steps, reached, td_errors = self.columns
-        rows = Columns(start[:trials].copy(), steps[:trials].copy(), reached[:trials].copy(), td_errors[:trials].copy())
-        progress.next_start = (progress.next_start + trials) % len(self.ways.start_cells)
+        rows = self._first_rows(ended)
+        self._bring_up_to_date(ended, progress.step)
+        return rows, bool(learned)
+
+    def _first_rows(self, ended: int) -> Columns:
+        """Return the rows of the trials that ended, with means for the sums of TD errors.
+
+        Rounding can leave a sum just below zero.
+        """
+        start, steps, reached, td_sums = self.columns
+        td_errors = np.maximum(td_sums[:ended], 0.0) / self.rules.free_entries
+        return Columns(start[:ended].copy(), steps[:ended].copy(), reached[:ended].copy(), td_errors)
+
+    def _begin_goal(self) -> None:
+        """Note a new goal; with one goal at a time, what was experienced for another one is put away."""
+        self._goal_begun = self.agent.progress.goal
+        self.at[TAKEN] = NOBODY
+        if self.rules.strategy == SINGLE:
+            self.tables.counts[:] = 0
+            self.agent.steps_since_sweep = 0
+
+    def _bring_up_to_date(self, ended: int, steps_before: int) -> None:
+        agent, progress, at = self.agent, self.agent.progress, self.at
+        agent.steps_since_sweep, agent.sweeps = int(at[SINCE_SWEEP]), int(at[SWEEPS])
+        progress.next_start = int(at[START])
         progress.explore_state = int(self.state[0])
-        progress.trial += trials
-        progress.step += int(rows.steps.sum())
-        progress.trials_of_goal[progress.goal] += trials
-        progress.steps_of_goal[progress.goal] += int(rows.steps.sum())
-        return rows, learned
+        progress.trial += ended
+        progress.step, progress.optimal_at = int(at[STEP]), int(at[OPTIMAL_AT])
+        progress.trials_of_goal[progress.goal] += ended
+        progress.steps_of_goal[progress.goal] += progress.step - steps_before
 
     def close(self) -> None:
         """Hand the counted experiences back to the agent."""
-        self.agent.replay = replay_of(self.tables, self.maze)
+        self.agent.replay = replay_of(self.tables, self.ways, self.maze.cols)

@@ -7,7 +7,8 @@ stored: they follow from the cells, for every goal. N experiences, D different o
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from itertools import islice
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +40,14 @@ class Replay:
 
     def __init__(self) -> None:
         self.counts: dict[Experience, int] = {}
+        self._rows: IntArray = np.zeros((0, ROW_LENGTH - 1), dtype=np.int64)
+        """What `to_array` has turned into numbers so far, in the order of `counts`, where nothing is ever taken out."""
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Replay:
+        """Return a copy of its own; experiences never change, so they are shared."""
+        copied = Replay()
+        copied.counts, copied._rows = dict(self.counts), self._rows
+        return copied
 
     def __len__(self) -> int:
         """Number of experiences, repeats included."""
@@ -50,8 +59,11 @@ class Replay:
 
     def to_array(self) -> IntArray:
         """Return the buffer as [D, 7]: cell, action, next cell, blocked, number."""
-        rows = [(*e.cell, e.action, *e.next_cell, int(e.blocked), n) for e, n in self.counts.items()]
-        return np.array(rows, dtype=np.int64).reshape(len(rows), ROW_LENGTH)
+        further = islice(self.counts, len(self._rows), None)
+        rows = [(*e.cell, e.action, *e.next_cell, int(e.blocked)) for e in further]
+        if rows:
+            self._rows = np.concatenate((self._rows, np.array(rows, dtype=np.int64)))
+        return np.column_stack((self._rows, np.fromiter(self.counts.values(), np.int64, len(self.counts))))
 
     @classmethod
     def from_array(cls, rows: IntArray) -> Replay:
@@ -59,6 +71,8 @@ class Replay:
         replay = cls()
         for r, c, action, next_r, next_c, blocked, number in rows.tolist():
             replay.add(Experience(Cell(r, c), action, Cell(next_r, next_c), bool(blocked)), number)
+        if len(replay.counts) == len(rows):
+            replay._rows = np.array(rows[:, :-1], dtype=np.int64)
         return replay
 
 
