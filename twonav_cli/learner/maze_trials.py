@@ -5,6 +5,8 @@ N cells numbered row by row, A = 4 actions, G goals, S starts, W trials of the c
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from twonav_cli.compiled import compiled
@@ -141,7 +143,8 @@ def run_trials(
     Returns:
         Number of trials that ended, the temperature after them, and whether the goal is learned.
     """
-    ended, last_step, running = np.int64(0), at[STEP] + actions_at_most, True
+    ended: Any = np.int64(0)  # a literal 0 would be another type, and everything compiled twice
+    last_step, running = at[STEP] + actions_at_most, True
     if at[STEP] == 0:
         note_if_optimal(tables.q, ways, at)
     while running and ended < trials_at_most:
@@ -155,5 +158,5 @@ def run_trials(
         if running and at[START] == 0:
             note_if_optimal(tables.q, ways, at)
             if is_learned(consecutive, window, rules.max_step_difference):
-                return int(ended), temperature, True
-    return int(ended), temperature, False
+                return ended, temperature, True
+    return ended, temperature, False
