@@ -13,3 +13,8 @@ F = TypeVar("F", bound=Callable[..., Any])
 def compiled(function: F) -> F:
     """Compile a function at its first call and keep the result on disk beside the module."""
     return cast(F, numba.njit(cache=True)(function))
+
+
+def inlined(function: F) -> F:
+    """Compile a function so that it vanishes into the compiled loop that calls it: no call, no reference counts."""
+    return cast(F, numba.njit(cache=True, forceinline=True)(function))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from twonav_cli.compiled import compiled
+from twonav_cli.compiled import compiled, inlined
 from twonav_cli.rng import stream
 
 FloatArray = NDArray[np.float64]
@@ -34,7 +34,7 @@ def first_state(seed: int) -> int:
     return int(stream(seed, "explore").integers(1, 2**63))
 
 
-@compiled
+@inlined
 def next_bits(state: StateArray) -> Any:
     """Return 64 random bits, unsigned, and move the generator on (xorshift64*, Vigna 2016)."""
     x = state[0]
@@ -45,7 +45,7 @@ def next_bits(state: StateArray) -> Any:
     return x * MULTIPLIER
 
 
-@compiled
+@inlined
 def uniform(state: StateArray) -> float:
     """Return a number in [0, 1)."""
     return float(np.int64(next_bits(state) >> TO_53_BITS)) * (1.0 / 9007199254740992.0)
@@ -73,7 +73,7 @@ def gumbel_noise() -> NoiseArray:
     return np.asarray(-np.log(-np.log(middles)), dtype=np.float32)
 
 
-@compiled
+@inlined
 def boltzmann(q: FloatArray, cell: int, goal: int, per_temperature: float, noise: NoiseArray, state: StateArray) -> int:
     """Return an action drawn from the Boltzmann probabilities (Eq. 6).
 

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from twonav_cli.compiled import compiled
+from twonav_cli.compiled import compiled, inlined
 from twonav_cli.learner.draws import ACTIONS, NoiseArray
 
 FloatArray = NDArray[np.float64]
@@ -103,13 +103,13 @@ def distances(into: IntArray, goal_cells: IntArray) -> IntArray:
     return far
 
 
-@compiled
+@inlined
 def value_of(q: FloatArray, cell: Any, g: Any) -> Any:
     """Return the value of a goal in a cell, that of its best action; indices with or without a sign."""
     return max(max(q[cell, 0, g], q[cell, 1, g]), max(q[cell, 2, g], q[cell, 3, g]))
 
 
-@compiled
+@inlined
 def learn_step(
     q: FloatArray,
     td: FloatArray,
@@ -146,6 +146,15 @@ def learn_step(
         td_sum[g] += error_g * error_g - td[c, a, g]
         td[c, a, g] = error_g * error_g
         q[c, a, g] += learning_rate * error_g
+
+
+@compiled
+def learn_from(tables: Tables, ways: Ways, rules: Rules, cell: int, action: int) -> None:
+    """Update every goal from one action (Eq. 2)."""
+    first: Any = np.int64(0)  # a literal 0 would be another type, and the update compiled twice
+    row, next_cell, alpha = ways.reward_row[cell, action], ways.next_cell[cell, action], rules.learning_rate
+    q, td, td_sum, goals = tables.q, tables.td, tables.td_sum, tables.q.shape[2]
+    learn_step(q, td, td_sum, ways.reward, ways.discount, row, alpha, cell, action, next_cell, first, goals)
 
 
 @compiled

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from twonav_cli.compiled import compiled
-from twonav_cli.learner.draws import StateArray, boltzmann, epsilon_greedy
+from twonav_cli.compiled import compiled, inlined
+from twonav_cli.learner.draws import NoiseArray, StateArray, boltzmann, epsilon_greedy
 from twonav_cli.learner.exploration import COLDEST
 from twonav_cli.learner.goals import is_learned, record_trial
 from twonav_cli.learner.maze_kernel import (
@@ -26,10 +26,12 @@ from twonav_cli.learner.maze_kernel import (
     SWEEPS,
     TAKEN,
     Columns,
+    FloatArray,
     IntArray,
     Rules,
     Tables,
     Ways,
+    learn_from,
     learn_step,
     note_if_optimal,
     sweep_all,
@@ -38,19 +40,69 @@ from twonav_cli.learner.nearest_untried import action_toward_untried, plan
 from twonav_cli.learner.prioritized_sweeping import sweep_by_priority
 
 
+@inlined
+def walk(
+    q: FloatArray,
+    td: FloatArray,
+    td_sum: FloatArray,
+    counts: IntArray,
+    noise: NoiseArray,
+    next_cells: IntArray,
+    reward_rows: IntArray,
+    reward: FloatArray,
+    discount: FloatArray,
+    rules: Rules,
+    goal: int,
+    goal_cell: int,
+    per_temperature: float,
+    cell: int,
+    actions_at_most: int,
+    state: StateArray,
+) -> tuple[int, int]:
+    """Draw an action and learn from it, again and again, up to the goal or so many actions (Eq. 6, Eq. 2).
+
+    Returns:
+        Where the agent is then, and the number of actions.
+    """
+    taken, alpha, is_boltzmann = 0, rules.learning_rate, rules.is_boltzmann
+    first, last = (goal, goal + 1) if rules.strategy == SINGLE else (0, q.shape[2])
+    while cell != goal_cell and taken < actions_at_most:
+        if is_boltzmann:
+            action = boltzmann(q, cell, goal, per_temperature, noise, state)
+        else:
+            action = epsilon_greedy(q, cell, goal, rules.epsilon, state)
+        next_cell, row = next_cells[cell, action], reward_rows[cell, action]
+        learn_step(q, td, td_sum, reward, discount, row, alpha, cell, action, next_cell, first, last)
+        counts[cell, action] += 1
+        cell = next_cell
+        taken += 1
+    return cell, taken
+
+
 @compiled
-def plan_after(
-    tables: Tables, ways: Ways, rules: Rules, at: IntArray, next_cell: int, first: int, last: int, state: StateArray
+def explore(
+    tables: Tables, ways: Ways, rules: Rules, goal: int, per_temperature: float, at: IntArray, state: StateArray
 ) -> None:
-    """Plan on what was experienced: by a sweep of the replay buffer, or when an action was tried for the first time."""
-    if rules.strategy == NEAREST:
-        plan(tables.q, tables.counts, ways, rules)
-        at[EXPLORED] = int(action_toward_untried(tables.counts, ways.next_cell, next_cell, state) == NOBODY)
+    """Take one action of a learner that plans: choose it, learn from it, plan on what it showed."""
+    q, counts, cell = tables.q, tables.counts, at[CELL]
+    if at[EXPLORED] == 0:
+        action = action_toward_untried(counts, ways.next_cell, cell, state)
+    elif rules.is_boltzmann:
+        action = boltzmann(q, cell, goal, per_temperature, tables.noise, state)
     else:
-        sweep_all(tables, ways, rules, first, last)
-        at[SINCE_SWEEP] = 0
-        at[SWEEPS] += 1
-    note_if_optimal(tables.q, ways, at)
+        action = epsilon_greedy(q, cell, goal, rules.epsilon, state)
+    next_cell = ways.next_cell[cell, action]
+    counts[cell, action] += 1
+    at[STEP] += 1
+    at[CELL] = next_cell
+    if rules.strategy == PRIORITIZED:
+        sweep_by_priority(tables, ways, rules, at, cell, action)
+        return
+    learn_from(tables, ways, rules, cell, action)
+    if counts[cell, action] == 1:
+        plan(q, counts, ways, rules)
+        at[EXPLORED] = int(action_toward_untried(counts, ways.next_cell, next_cell, state) == NOBODY)
+        note_if_optimal(q, ways, at)
 
 
 @compiled
@@ -69,58 +121,56 @@ def run_round(
 ) -> tuple[int, float]:
     """Run trials to the end of a round (one from each start), or until `last_step` or `last_row` is reached.
 
-    The arrays are taken out of their tuples once a round and the choice of an action is spelled out, because a call
-    that takes tuples or does not vanish into the loop counts references: several times the cost of the update itself.
+    The arrays are taken out of their tuples once a round, because that counts references, at the cost of some actions.
 
     Returns:
         The row after the last trial that ended, and the temperature then.
     """
     q, td, td_sum, counts, noise = tables.q, tables.td, tables.td_sum, tables.counts, tables.noise
-    next_cells, reward_rows, reward, discount = ways.next_cell, ways.reward_row, ways.reward, ways.discount
-    first, last = (goal, goal + 1) if rules.strategy == SINGLE else (0, q.shape[2])
-    goal_cell, alpha, is_boltzmann = ways.goal_cells[goal], rules.learning_rate, rules.is_boltzmann
-    per_temperature = 1.0 / temperature
+    next_cells, rows, reward, discount = ways.next_cell, ways.reward_row, ways.reward, ways.discount
+    goal_cell, plans = ways.goal_cells[goal], rules.strategy in (PRIORITIZED, NEAREST)
     while row < last_row:
         if at[TAKEN] == NOBODY:
             at[CELL], at[TAKEN] = ways.start_cells[at[START]], 0
-        cell, step, since_sweep, explored = at[CELL], at[STEP], at[SINCE_SWEEP], at[EXPLORED]
-        begun, end = step - at[TAKEN], min(step - at[TAKEN] + rules.limit, last_step)
-        while (cell != goal_cell or explored == 0) and step < end:
-            if explored == 0:
-                action = action_toward_untried(counts, next_cells, cell, state)
-            elif is_boltzmann:
-                action = boltzmann(q, cell, goal, per_temperature, noise, state)
-            else:
-                action = epsilon_greedy(q, cell, goal, rules.epsilon, state)
-            next_cell, is_new = next_cells[cell, action], counts[cell, action] == 0
-            counts[cell, action] += 1
-            step += 1
-            since_sweep += 1
-            if rules.strategy == PRIORITIZED:
-                at[STEP] = step
-                sweep_by_priority(tables, ways, rules, at, cell, action)
-            else:
-                reward_row = reward_rows[cell, action]
-                learn_step(q, td, td_sum, reward, discount, reward_row, alpha, cell, action, next_cell, first, last)
-            if since_sweep >= rules.period or (is_new and rules.strategy == NEAREST):
-                at[STEP], at[SINCE_SWEEP] = step, since_sweep
-                plan_after(tables, ways, rules, at, next_cell, first, last, state)
-                since_sweep, explored = at[SINCE_SWEEP], at[EXPLORED]
-            cell = next_cell
-        at[CELL], at[STEP], at[SINCE_SWEEP], at[TAKEN] = cell, step, since_sweep, step - begun
-        reached = cell == goal_cell and explored == 1
-        if not reached and step - begun < rules.limit:
+        begun, per_temperature = at[STEP] - at[TAKEN], 1.0 / temperature
+        end = min(begun + rules.limit, last_step)
+        while (at[CELL] != goal_cell or at[EXPLORED] == 0) and at[STEP] < end:
+            if plans:
+                explore(tables, ways, rules, goal, per_temperature, at, state)
+                continue
+            most = min(end - at[STEP], rules.period - at[SINCE_SWEEP])
+            cell, taken = walk(
+                q, td, td_sum, counts, noise, next_cells, rows, reward, discount, rules, goal, goal_cell,
+                per_temperature, at[CELL], most, state,
+            )  # fmt: skip
+            at[CELL] = cell
+            at[STEP] += taken
+            at[SINCE_SWEEP] += taken
+            if at[SINCE_SWEEP] >= rules.period:
+                replay(tables, ways, rules, at, goal)
+        at[TAKEN] = at[STEP] - begun
+        reached = at[CELL] == goal_cell and at[EXPLORED] == 1
+        if not reached and at[TAKEN] < rules.limit:
             break
-        columns.start[row], columns.steps[row], columns.reached[row] = at[START], step - begun, reached
+        columns.start[row], columns.steps[row], columns.reached[row] = at[START], at[TAKEN], reached
         for g in range(len(td_sum)):
             columns.td_errors[row, g] = td_sum[g]
         row += 1
         temperature = max(temperature * rules.decay, COLDEST)
-        per_temperature = 1.0 / temperature
         at[START], at[TAKEN] = (at[START] + 1) % len(ways.start_cells), NOBODY
         if at[START] == 0:
             break
     return row, temperature
+
+
+@compiled
+def replay(tables: Tables, ways: Ways, rules: Rules, at: IntArray, goal: int) -> None:
+    """Sweep the replay buffer, of all goals or of the one (§3.1.1)."""
+    first, last = (goal, goal + 1) if rules.strategy == SINGLE else (0, tables.q.shape[2])
+    sweep_all(tables, ways, rules, first, last)
+    at[SINCE_SWEEP] = 0
+    at[SWEEPS] += 1
+    note_if_optimal(tables.q, ways, at)
 
 
 @compiled

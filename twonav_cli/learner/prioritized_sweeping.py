@@ -7,8 +7,6 @@ actions keep their optimistic first value, which is what explores. N cells, A = 
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,7 +19,7 @@ from twonav_cli.learner.maze_kernel import (
     Rules,
     Tables,
     Ways,
-    learn_step,
+    learn_from,
     note_if_optimal,
     value_of,
 )
@@ -38,10 +36,7 @@ def back_up(tables: Tables, ways: Ways, rules: Rules, cell: int, action: int) ->
     q, best = tables.q, tables.best
     for g in range(q.shape[2]):
         best[cell, g] = value_of(q, cell, g)
-    td, td_sum, row, next_cell = tables.td, tables.td_sum, ways.reward_row[cell, action], ways.next_cell[cell, action]
-    first: Any = np.int64(0)  # a literal 0 would be another type, and the update compiled twice
-    alpha, goals = rules.learning_rate, q.shape[2]
-    learn_step(q, td, td_sum, ways.reward, ways.discount, row, alpha, cell, action, next_cell, first, goals)
+    learn_from(tables, ways, rules, cell, action)
     change = 0.0
     for g in range(q.shape[2]):
         change = max(change, abs(value_of(q, cell, g) - best[cell, g]))
