@@ -84,3 +84,16 @@ def test_a_goal_in_a_wall_or_outside_is_named(cell: Cell) -> None:
 def test_a_start_in_a_wall_is_named() -> None:
     with pytest.raises(TwonavError, match="start 's9' lies in a blocked cell"):
         Maze(BLOCKED, {}, {"s9": Cell(1, 0)})
+
+
+def test_a_goal_more_is_the_last_one_and_leaves_the_maze_before_as_it_was(maze: Maze) -> None:
+    more = maze.with_goal("new", Cell(2, 0))
+    assert more.goal_names == ["g", "near", "new"]
+    assert more.goals["new"] == Cell(2, 0)
+    assert maze.goal_names == ["g", "near"]
+
+
+@pytest.mark.parametrize(("name", "cell", "why"), [("g", Cell(2, 0), "already"), ("new", Cell(0, 2), "blocked")])
+def test_a_goal_more_needs_a_name_of_its_own_and_a_free_cell(maze: Maze, name: str, cell: Cell, why: str) -> None:
+    with pytest.raises(TwonavError, match=why):
+        maze.with_goal(name, cell)

@@ -26,6 +26,16 @@ def test_the_agent_belongs_to_the_scene_and_its_map(name: str) -> None:
     assert load_agent(floor, "3d").goal_names == list(floor.scene.goals)
 
 
+@pytest.mark.parametrize("name", scene_names())
+@pytest.mark.parametrize("stage", ["maze", "3d"])
+def test_a_new_goal_has_a_known_way_from_every_cell(name: str, stage: str) -> None:
+    floor = read_floor(name)
+    agent = load_agent(floor, stage)
+    for cell in floor.maze.free_cells[::50]:
+        added = agent.add_goal(cell)
+        assert added.without_way == added.untried == ()
+
+
 def test_the_apartments_localizer_belongs_to_it() -> None:
     assert callable(load_localize(read_floor("apartment")))
 

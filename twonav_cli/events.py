@@ -61,6 +61,8 @@ class GoalChosen(Event):
     reason: str
     td_errors: FloatArray | None = None
     """[G] mean squared TD error of each goal over the free entries."""
+    learned: NDArray[np.bool_] | None = None
+    """[G] goals that were learned already, among which a rule does not choose; None when a person chose."""
 
 
 @dataclass(frozen=True)
@@ -181,11 +183,21 @@ class GoalLearned(Event):
 
 
 @dataclass(frozen=True)
+class GoalAdded(Event):
+    """A goal was added while the run went on: every table has one goal more from here on, the last one."""
+
+    name: str
+    cell: Cell
+
+
+@dataclass(frozen=True)
 class QSnapshot(Event):
     """The whole table at one moment."""
 
     q: FloatArray
     """[G, R, C, A]."""
+    td_errors: FloatArray | None = None
+    """[G, R, C, A] squared TD error of the latest visit (Eq. 3), not a number where an action was never tried."""
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ R rows, C columns, A = 4 actions (up, down, left, right), G goals.
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 
 import numpy as np
@@ -44,6 +44,7 @@ class Maze:
     blocked: NDArray[np.bool_]
     goals: dict[str, Cell]
     starts: dict[str, Cell]
+    _distances: dict[Cell, NDArray[np.int32]] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         for kind, cells in (("goal", self.goals), ("start", self.starts)):
@@ -89,8 +90,15 @@ class Maze:
         return Cell(row, col) if free else cell
 
     def distances_to(self, goal: Cell) -> NDArray[np.int32]:
-        """Return the length of the shortest way to `goal` from every cell [R, C]; UNREACHABLE where there is none."""
-        return distances_from(self.blocked, goal)
+        """Return the length of the shortest way to `goal` from every cell [R, C]; UNREACHABLE where there is none.
+
+        It is searched for once, and what is returned cannot be written to.
+        """
+        if goal not in self._distances:
+            distances = distances_from(self.blocked, goal)
+            distances.setflags(write=False)
+            self._distances[goal] = distances
+        return self._distances[goal]
 
 
 def distances_from(blocked: NDArray[np.bool_], source: Cell) -> NDArray[np.int32]:

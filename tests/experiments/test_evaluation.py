@@ -16,7 +16,7 @@ from twonav_cli.experiments.evaluation import (
     figures,
     success_weighted_path_length,
 )
-from twonav_cli.experiments.trials import learn_maze
+from twonav_cli.experiments.maze_learning import learn_maze
 from twonav_cli.grid import Cell
 from twonav_cli.learner.agent import Agent
 from twonav_cli.maze import Action, Maze

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -13,6 +14,7 @@ from twonav_cli.errors import TwonavError
 from twonav_cli.events import (
     Clock,
     Event,
+    GoalAdded,
     GoalChosen,
     Kidnapped,
     Note,
@@ -24,6 +26,7 @@ from twonav_cli.events import (
     TrialStarted,
 )
 from twonav_cli.experiments.journey import Journey, NoWishes, Visit
+from twonav_cli.experiments.new_goal import GoalWish, cell_at_place
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell, GridFrame
 from twonav_cli.learner.agent import Agent
@@ -43,6 +46,7 @@ class FakeWishes(NoWishes):
         self.looks = -1
         self.goals, self.kidnaps = script.get("goals", {}), script.get("kidnaps", {})
         self.moves, self.leaving = script.get("moves", {}), script.get("leaving", {})
+        self.new_goals = script.get("new_goals", {})
         self.afterwards: list[str | None] = []
 
     def wait_for_permission(self) -> None:
@@ -53,6 +57,11 @@ class FakeWishes(NoWishes):
             return self.afterwards.pop(0) if self.afterwards else None
         goal = self.goals.pop(self.looks, None)
         return None if goal is None else str(goal)
+
+    def take_new_goal(self) -> GoalWish | None:
+        wish = self.new_goals.pop(self.looks, None)
+        assert wish is None or isinstance(wish, GoalWish)
+        return wish
 
     def take_kidnap(self) -> bool:
         return bool(self.kidnaps.pop(self.looks, False))
@@ -303,3 +312,81 @@ def test_a_move_without_a_goal_is_answered_with_a_note(travel: Travel) -> None:
     (note,) = of_kind(events, Note)
     assert isinstance(note, Note)
     assert "name a goal" in note.text
+
+
+def test_a_goal_that_is_added_on_the_way_is_driven_to_without_a_step_to_learn_it(travel: Travel, agent: Agent) -> None:
+    wishes = FakeWishes(new_goals={1: GoalWish("plant", FRAME.centre_of(Cell(0, 1)))}, goals={2: "plant"})
+    visits, events = travel("right", wishes=wishes)
+    assert visits == [Visit("right", "given-up", 1, 3), Visit("plant", "reached", 3, 3)]
+    assert agent.goal_names == ["left", "right", "plant"]
+    kinds = [type(event) for event in events]
+    at = kinds.index(GoalAdded)
+    assert kinds[at - 1 : at + 4] == [StepTaken, GoalAdded, QSnapshot, Note, TrialEnded]
+    assert events[at] == GoalAdded(Clock(0, 1), "plant", Cell(0, 1))
+    snapshot, note = events[at + 1 : at + 3]
+    assert isinstance(snapshot, QSnapshot)
+    assert snapshot.q.shape == (3, 1, 7, 4)
+    assert isinstance(note, Note)
+    assert note.level == "INFO"
+    assert re.fullmatch(
+        r"plant: learned in \d+\.\d ms, no step taken; 0 of 7 cells without a known way; from 841 remembered actions",
+        note.text,
+    )
+
+
+def test_a_goal_without_a_place_is_added_where_the_robot_believes_to_be(travel: Travel, agent: Agent) -> None:
+    travel("right", wishes=FakeWishes(new_goals={2: GoalWish("here")}))
+    assert agent.goal_cells[2] == Cell(0, 5)
+
+
+def test_the_stage_and_the_journey_have_the_new_goal_in_their_maze(agent: Agent) -> None:
+    stage = MazeStage(CORRIDOR)
+    wishes = FakeWishes(new_goals={0: GoalWish("here")})
+    journey = Journey(stage, FRAME, agent, np.random.default_rng(0), lambda event: None, wishes)
+    journey.run(["right"], Cell(0, 3), stay=False)
+    assert stage.maze.goals == journey.maze.goals == {**CORRIDOR.goals, "here": Cell(0, 3)}
+    agent.check_fits(stage.maze)
+
+
+@pytest.mark.parametrize(
+    ("wish", "why"),
+    [
+        (GoalWish("plant", (9.0, 0.2)), "outside the map: choose x from -0.4 to 2.4 and y from 0.0 to 0.4"),
+        (GoalWish("right", (0.6, 0.2)), "already"),
+        (GoalWish("<plant>", (0.6, 0.2)), "no name for a goal"),
+    ],
+)
+def test_a_goal_that_cannot_be_added_is_noted_and_the_robot_drives_on(
+    travel: Travel, agent: Agent, wish: GoalWish, why: str
+) -> None:
+    visits, events = travel("right", wishes=FakeWishes(new_goals={1: wish}))
+    assert visits == [Visit("right", "reached", 3, 3)]
+    (note,) = of_kind(events, Note)
+    assert isinstance(note, Note)
+    assert note.level == "WARN"
+    assert why in note.text
+    assert not of_kind(events, GoalAdded)
+    assert agent.table().shape[0] == 2
+
+
+def test_a_place_on_a_wall_is_answered_with_the_nearest_free_cell() -> None:
+    maze = Maze(np.array([[False, True, True, False]]), {}, {})
+    frame = GridFrame(0.0, 0.0, 1.0, 1, 4)
+    assert cell_at_place(maze, frame, 0.9, 0.1) == Cell(0, 0)
+    with pytest.raises(
+        TwonavError, match=r"cannot stand at \(1.9, 0.5\) m: the nearest free cell is at \(0.50, 0.50\)"
+    ):
+        cell_at_place(maze, frame, 1.9, 0.5)
+
+
+def test_a_goal_can_be_added_while_the_robot_waits_for_one(travel: Travel) -> None:
+    class Adder(FakeWishes):
+        def next_goal(self, wait: bool) -> str | None:
+            if wait and len(self.afterwards) == 2:
+                self.new_goals[self.looks] = GoalWish("plant", FRAME.centre_of(Cell(0, 1)))
+            return super().next_goal(wait)
+
+    wishes = Adder()
+    wishes.afterwards = [None, "plant"]
+    visits, _ = travel("right", wishes=wishes, stay=True)
+    assert visits == [Visit("right", "reached", 3, 3), Visit("plant", "reached", 5, 5)]

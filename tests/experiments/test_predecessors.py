@@ -13,6 +13,7 @@ from twonav_cli.errors import TwonavError
 from twonav_cli.experiments import predecessors
 from twonav_cli.experiments.predecessors import checkpoint_folder, load_agent, load_localize, make_stage
 from twonav_cli.learner.agent import Agent
+from twonav_cli.learner.replay import Experience
 from twonav_cli.mapping.floor import Floor, read_floor
 from twonav_cli.stages.maze_stage import MazeStage
 
@@ -42,6 +43,8 @@ def put_card(folder: Path) -> Path:
 def put_agent(folder: Path, floor: Floor, value: float) -> Path:
     agent = Agent.for_maze(floor.maze, learning_preset("maze"))
     agent.q[:] = value
+    start = next(iter(floor.maze.starts.values()))
+    agent.replay.add(Experience(start, 0, start, True), times=int(value))
     card = {
         "scene": "kitchen",
         "scene_digest": floor.scene.digest,
@@ -89,6 +92,21 @@ def test_the_settings_are_those_of_the_stage_that_is_played(places: tuple[Path, 
     put_agent(places[0] / "kitchen" / "maze", floor, 1.0)
     assert load_agent(floor, "3d").config == learning_preset("3d")
     assert load_agent(floor, "maze").config == learning_preset("maze")
+
+
+def test_what_was_experienced_in_either_stage_stays_known_but_is_not_swept(
+    places: tuple[Path, Path], floor: Floor
+) -> None:
+    maze_agent = put_agent(places[0] / "kitchen" / "maze", floor, 1.0)
+    alone = load_agent(floor, "3d")
+    assert [len(r) for r in (alone.replay, alone.earlier_here, alone.earlier_elsewhere)] == [0, 0, 1]
+    put_agent(places[0] / "kitchen" / "3d", floor, 3.0)
+    both = load_agent(floor, "3d")
+    assert [len(r) for r in (both.replay, both.earlier_here, both.earlier_elsewhere)] == [0, 3, 1]
+    in_maze = load_agent(floor, "maze")
+    assert [len(r) for r in (in_maze.replay, in_maze.earlier_here, in_maze.earlier_elsewhere)] == [0, 1, 0]
+    (maze_agent / CARD_FILE).write_text("{}")
+    assert len(load_agent(floor, "3d").earlier_elsewhere) == 0
 
 
 def test_an_agent_of_another_map_is_refused(places: tuple[Path, Path], floor: Floor) -> None:

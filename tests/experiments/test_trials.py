@@ -1,141 +1,24 @@
-"""The learning loops: what they learn, what they send, and that they can be stopped and go on."""
+"""The loop over trials of any stage: what it sends, why a trial failed, and that it can be stopped and go on."""
 
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pytest
+from scattered_maze import greedy_lengths, scattered_maze, shortest_lengths
 
 from twonav_cli.config import LearningConfig
-from twonav_cli.errors import TwonavError
-from twonav_cli.events import (
-    Clock,
-    Event,
-    GoalChosen,
-    GoalLearned,
-    QSnapshot,
-    Sink,
-    StepTaken,
-    TrialBatch,
-    TrialEnded,
-    TrialStarted,
-    to_nobody,
-)
-from twonav_cli.experiments.trials import learn_in_stage, learn_maze, run_trial
+from twonav_cli.events import Clock, Event, Sink, StepTaken, TrialEnded, TrialStarted, to_nobody
+from twonav_cli.experiments.maze_learning import learn_maze
+from twonav_cli.experiments.trials import learn_in_stage, run_trial
 from twonav_cli.grid import Cell
 from twonav_cli.learner.agent import Agent
-from twonav_cli.maze import Action, Maze, filled_where_unreachable
+from twonav_cli.maze import Action, Maze
+from twonav_cli.navigation.outcomes import BLOCKED, REACHED, TIMED_OUT
 from twonav_cli.stages.maze_stage import MazeStage
-from twonav_cli.stages.stage import BLOCKED, REACHED, TIMED_OUT, ActionResult, Observation
+from twonav_cli.stages.stage import ActionResult, Observation
 
 CONFIG = LearningConfig(consecutive_successes=50)
 CARD = {"scene": "test", "scene_digest": "s", "map_digest": "m", "command": "test", "seed": 0, "metrics": {}}
-
-
-def random_maze(size: int, seed: int) -> Maze:
-    rng = np.random.default_rng(seed)
-    blocked = rng.random((size, size)) < 0.2
-    blocked[0, 0] = False
-    blocked = filled_where_unreachable(blocked, Cell(0, 0))
-    free = [Cell(int(r), int(c)) for r, c in np.argwhere(~blocked)]
-    picked = [free[i] for i in rng.permutation(len(free))[:8]]
-    goals = {f"goal {i}": cell for i, cell in enumerate(picked[:4])}
-    return Maze(blocked, goals, {f"start {i}": cell for i, cell in enumerate(picked[4:])})
-
-
-def greedy_lengths(agent: Agent, maze: Maze) -> list[int]:
-    """Length of the greedy path for every goal and start, 999 where it never arrives."""
-    lengths = []
-    for goal, goal_cell in enumerate(agent.goal_cells):
-        actions = agent.greedy_actions(goal)
-        for cell in maze.starts.values():
-            steps = 0
-            while cell != goal_cell and steps < 999:
-                cell, steps = maze.moved(cell, int(actions[cell])), steps + 1
-            lengths.append(steps)
-    return lengths
-
-
-def shortest_lengths(maze: Maze) -> list[int]:
-    return [int(maze.distances_to(goal)[start]) for goal in maze.goals.values() for start in maze.starts.values()]
-
-
-@pytest.mark.parametrize(("size", "seed"), [(5, 1), (10, 2), (10, 3)])
-def test_learned_paths_are_the_shortest_and_untrained_ones_are_not(size: int, seed: int) -> None:
-    maze = random_maze(size, seed)
-    agent = Agent.for_maze(maze, CONFIG)
-    assert greedy_lengths(agent, maze) != shortest_lengths(maze)
-    outcome = learn_maze(agent, maze, seed, to_nobody, lambda: False)
-    assert outcome.outcome == "learned"
-    assert greedy_lengths(agent, maze) == shortest_lengths(maze)
-    assert outcome.steps >= 50 * sum(shortest_lengths(maze))
-    assert min(outcome.trials_of_goal.values()) >= 50 * len(maze.starts)
-
-
-def test_the_events_of_a_run_add_up() -> None:
-    maze, events = random_maze(6, 4), list[Event]()
-    agent = Agent.for_maze(maze, CONFIG)
-    outcome = learn_maze(agent, maze, 0, events.append, lambda: False)
-    batches = [e for e in events if isinstance(e, TrialBatch)]
-    steps = np.concatenate([b.steps for b in batches])
-    reached = np.concatenate([b.reached for b in batches])
-    shortest = np.concatenate([b.shortest for b in batches])
-    assert steps.sum() == outcome.steps == batches[-1].clock.step == batches[-1].last_step[-1]
-    assert len(steps) == outcome.trials
-    assert (steps[reached] >= shortest[reached]).all()
-    assert np.array_equal(np.concatenate([b.last_step for b in batches]), np.cumsum(steps))
-    chosen = [e.goal for e in events if isinstance(e, GoalChosen)]
-    learned = [e.goal for e in events if isinstance(e, GoalLearned)]
-    assert chosen == learned
-    assert sorted(learned) == sorted(outcome.learned) == sorted(maze.goals)
-    assert np.array_equal([e for e in events if isinstance(e, QSnapshot)][-1].q, agent.table())
-
-
-def test_the_same_seed_gives_the_same_run_and_another_seed_another() -> None:
-    maze, tables = random_maze(6, 4), []
-    steps = []
-    for seed in (1, 1, 2):
-        agent = Agent.for_maze(maze, CONFIG, seed)
-        steps.append(learn_maze(agent, maze, seed, to_nobody, lambda: False).steps)
-        tables.append(agent.q)
-    assert np.array_equal(tables[0], tables[1])
-    assert steps[0] == steps[1]
-    assert not np.array_equal(tables[0], tables[2])
-
-
-def test_a_run_that_was_stopped_and_saved_goes_on_as_if_unbroken(tmp_path: Path) -> None:
-    maze = random_maze(10, 2)
-    unbroken = Agent.for_maze(maze, CONFIG)
-    whole = learn_maze(unbroken, maze, 0, to_nobody, lambda: False)
-    broken = Agent.for_maze(maze, CONFIG)
-    part = learn_maze(broken, maze, 0, to_nobody, lambda: broken.progress.trial >= 300)
-    assert part.outcome == "stopped"
-    assert 300 <= part.trials < whole.trials
-    broken.save(tmp_path, CARD)
-    again = Agent.load(tmp_path)
-    assert learn_maze(again, maze, 0, to_nobody, lambda: False) == whole
-    assert np.array_equal(again.q, unbroken.q)
-    assert np.array_equal(again.td, unbroken.td)
-    assert again.replay.counts == unbroken.replay.counts
-
-
-def test_a_run_that_cannot_succeed_gives_up() -> None:
-    maze = random_maze(10, 2)
-    agent = Agent.for_maze(maze, replace(CONFIG, trial_limit_steps=1))
-    assert learn_maze(agent, maze, 0, to_nobody, lambda: False, steps_at_most=2000).outcome == "gave-up"
-
-
-def test_a_goal_that_is_cut_off_and_a_maze_without_starts_are_refused() -> None:
-    blocked = np.zeros((3, 3), dtype=np.bool_)
-    blocked[:, 1] = True
-    cut = Maze(blocked, {"g": Cell(0, 2)}, {"s": Cell(0, 0)})
-    with pytest.raises(TwonavError, match="'g' cannot be reached from start 's'"):
-        learn_maze(Agent.for_maze(cut, CONFIG), cut, 0, to_nobody, lambda: False)
-    lonely = Maze(blocked, {"g": Cell(0, 2)}, {})
-    with pytest.raises(TwonavError, match="no start"):
-        learn_maze(Agent.for_maze(lonely, CONFIG), lonely, 0, to_nobody, lambda: False)
-
-
 CORRIDOR = Maze(np.zeros((1, 6), dtype=np.bool_), {"end": Cell(0, 5)}, {"begin": Cell(0, 0), "mid": Cell(0, 2)})
 
 
@@ -248,7 +131,7 @@ def test_too_few_actions_are_a_time_out() -> None:
 
 
 def test_the_slow_loop_learns_any_stage_and_can_be_stopped_and_go_on(tmp_path: Path) -> None:
-    maze = random_maze(5, 1)
+    maze = scattered_maze(5, 1)
     config = replace(CONFIG, consecutive_successes=5, replay_period_steps=50)
     unbroken, broken = Agent.for_maze(maze, config), Agent.for_maze(maze, config)
     whole = learn_in_stage(MazeStage(maze), unbroken, 0, to_nobody, lambda: False)
@@ -263,7 +146,7 @@ def test_the_slow_loop_learns_any_stage_and_can_be_stopped_and_go_on(tmp_path: P
 
 
 def test_every_start_gets_as_many_trials_as_the_others() -> None:
-    maze = random_maze(5, 1)
+    maze = scattered_maze(5, 1)
     config = replace(CONFIG, consecutive_successes=3, max_step_difference=0.4, temperature_decay=0.98)
     for seed in range(3):
         slow, fast = Agent.for_maze(maze, config, seed), Agent.for_maze(maze, config, seed)

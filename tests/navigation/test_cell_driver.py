@@ -8,7 +8,8 @@ from twonav_cli.config import DriveConfig, OdometryNoise
 from twonav_cli.events import DriveTrace
 from twonav_cli.geometry import Pose, Twist
 from twonav_cli.grid import Cell, GridFrame
-from twonav_cli.navigation.cell_driver import BLOCKED, REACHED, TIMED_OUT, CellDriver
+from twonav_cli.navigation.cell_driver import CellDriver
+from twonav_cli.navigation.outcomes import BLOCKED, REACHED, TIMED_OUT
 
 BASES = ["omni", "differential"]
 OFFSETS = ((-1, 0), (1, 0), (0, -1), (0, 1))

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from rerun.chunk import RrdReader
+from recorded_rows import batches_of, column
 
 from twonav_cli import events
 from twonav_cli.errors import TwonavError
@@ -21,18 +19,6 @@ from twonav_cli.recording.recorder import Recorder
 @pytest.fixture(autouse=True)
 def _strict(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("RERUN_STRICT", "1")
-
-
-def batches_of(path: Path) -> dict[str, list[Any]]:
-    found = defaultdict(list)
-    for chunk in RrdReader(str(path)).stream():
-        found[chunk.entity_path].append(chunk)
-    return found
-
-
-def column(chunks: list[Any], name: str) -> list[Any]:
-    batches = [chunk.to_record_batch() for chunk in chunks if not chunk.is_static]
-    return [value for batch in batches if name in batch.schema.names for value in batch[name].to_pylist()]
 
 
 @pytest.fixture(scope="module")
@@ -128,7 +114,7 @@ def test_a_succeeding_trial_is_thinned_and_a_failing_one_is_kept(tmp_path: Path)
 
 def test_beyond_the_budget_only_rows_per_trial_are_written(tmp_path: Path) -> None:
     path = tmp_path / "run.rrd"
-    with Recorder(path, "3d", budget_mb=0.6) as recorder:
+    with Recorder(path, "3d", budget_mb=0.8) as recorder:
         for event in rehearsal.driven_run(4):
             recorder(event)
     found = batches_of(path)

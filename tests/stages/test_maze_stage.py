@@ -7,8 +7,8 @@ from twonav_cli.errors import TwonavError
 from twonav_cli.events import Clock, to_nobody
 from twonav_cli.grid import Cell
 from twonav_cli.maze import Action, Maze
+from twonav_cli.navigation.outcomes import BLOCKED, REACHED
 from twonav_cli.stages.maze_stage import MazeStage
-from twonav_cli.stages.stage import BLOCKED, REACHED
 
 BLOCKED_CELLS = np.array([[False, True], [False, False]])
 

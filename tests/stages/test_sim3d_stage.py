@@ -13,8 +13,8 @@ from twonav_cli.geometry import Pose, distance_m
 from twonav_cli.grid import Cell
 from twonav_cli.mapping.floor import Floor, read_floor
 from twonav_cli.maze import Action
+from twonav_cli.navigation.outcomes import BLOCKED, REACHED
 from twonav_cli.stages.sim3d_stage import Sim3dOptions, Sim3dStage
-from twonav_cli.stages.stage import BLOCKED, REACHED
 
 CLOCK = Clock(3, 7, 0.0)
 

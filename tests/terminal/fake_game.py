@@ -14,6 +14,7 @@ import numpy as np
 from twonav_cli.events import (
     Clock,
     Event,
+    GoalAdded,
     GoalChosen,
     GoalLearned,
     Kidnapped,
@@ -30,7 +31,7 @@ from twonav_cli.events import (
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell, GridFrame
 from twonav_cli.maze import OFFSETS, Maze
-from twonav_cli.terminal.commands import Command, GoTo, Kidnap, Move, Quit
+from twonav_cli.terminal.commands import AddGoal, Command, GoTo, Kidnap, Move, Quit
 
 FRAME = GridFrame(-2.4, -0.1, 0.05, 192, 376)
 MAZE_FRAME = FRAME.coarser(0.4)
@@ -177,6 +178,13 @@ class FakeGame:
         match command:
             case GoTo(goal):
                 yield from self.walk(goal)
+            case AddGoal(name, x_m, y_m):
+                cell = self.cell if x_m is None or y_m is None else MAZE_FRAME.cell_at(x_m, y_m)
+                self.maze = self.maze.with_goal(name, cell)
+                self.q = fake_q(self.maze)
+                yield GoalAdded(self.clock, name, cell)
+                yield QSnapshot(self.clock, self.q)
+                yield Note(self.clock, "INFO", f"{name}: learned in 1.3 ms, no step taken")
             case Kidnap():
                 before = self.pose(0)
                 self.cell = Cell(19, 40)

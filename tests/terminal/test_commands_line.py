@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from twonav_cli.paths import checkpoints_dir
-from twonav_cli.terminal import app
+
+if TYPE_CHECKING:
+    from command_line import Twonav
+
+pytest_plugins = ("command_line",)
 
 ROOM = """
 <mujoco model="room">
@@ -33,62 +36,6 @@ ROOM = """
 """
 TWO_GOALS = '<site name="goal/east" pos="1.4 0.2 0"/><site name="goal/west" pos="-1.4 0.2 0"/>'
 GOAL_IN_WALL = '<site name="goal/east" pos="2.05 0.2 0"/><site name="start/a" pos="-1.4 0.2 0"/>'
-
-
-class Ended(NamedTuple):
-    """How a command ended."""
-
-    code: int
-    out: str
-    err: str
-
-    @property
-    def complaint(self) -> str:
-        """The one line on standard error, which says that something is wrong."""
-        assert self.code == 1, self
-        lines = self.err.splitlines()
-        assert len(lines) == 1, self.err
-        assert lines[0].startswith("error: ")
-        return lines[0]
-
-    def only_object(self) -> Any:
-        """Return the one JSON object on standard output, which must hold no NaN."""
-
-        def refuse(constant: str) -> None:
-            raise AssertionError(f"{constant} is not JSON")
-
-        lines = self.out.splitlines()
-        assert len(lines) == 1, self.out
-        found = json.loads(lines[0], parse_constant=refuse)
-        assert isinstance(found, dict)
-        return found
-
-
-Twonav = Callable[..., Ended]
-
-
-@pytest.fixture
-def runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return the folder that this test's runs go to."""
-    monkeypatch.setenv("TWONAV_RUNS", str(tmp_path / "runs"))
-    return tmp_path / "runs"
-
-
-@pytest.fixture
-def twonav(runs: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Iterator[Twonav]:
-    """Return a function that runs a command line in this process."""
-    before = signal.getsignal(signal.SIGTERM)
-
-    def run(*arguments: str | Path) -> Ended:
-        monkeypatch.setattr(sys, "argv", ["twonav", *map(str, arguments)])
-        capsys.readouterr()
-        with pytest.raises(SystemExit) as ended:
-            app.main()
-        code = ended.value.code
-        return Ended(code if isinstance(code, int) else 0 if code is None else 1, *capsys.readouterr())
-
-    yield run
-    signal.signal(signal.SIGTERM, before)
 
 
 @pytest.fixture
@@ -329,7 +276,7 @@ def test_training_can_be_gone_on_with_and_is_already_done(twonav: Twonav, tmp_pa
 def test_an_interrupted_training_saves_and_goes_on_as_if_unbroken(
     twonav: Twonav, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from twonav_cli.terminal import train_agent
+    from twonav_cli.terminal import train_maze
 
     train = ["train", "--stage", "maze", "--scene", "kitchen", "--json", "--no-record", "--out"]
     unbroken = twonav(*train, tmp_path / "unbroken").only_object()
@@ -347,14 +294,14 @@ def test_an_interrupted_training_saves_and_goes_on_as_if_unbroken(
 
         return learn_maze(*others, stop_at_third)
 
-    learn_maze = train_agent.learn_maze
-    monkeypatch.setattr(train_agent, "learn_maze", interrupted)
+    learn_maze = train_maze.learn_maze
+    monkeypatch.setattr(train_maze, "learn_maze", interrupted)
     broken = twonav(*train, tmp_path / "broken")
     assert broken.code == 130
     assert broken.only_object()["outcome"] == "stopped"
     assert broken.only_object()["steps"] < unbroken["steps"]
     assert "--resume --out" in broken.err
-    monkeypatch.setattr(train_agent, "learn_maze", learn_maze)
+    monkeypatch.setattr(train_maze, "learn_maze", learn_maze)
     assert twonav(*train, tmp_path / "broken", "--resume").only_object() == unbroken
     arrays = [(tmp_path / name / "arrays.safetensors").read_bytes() for name in ("unbroken", "broken")]
     assert arrays[0] == arrays[1]

@@ -7,6 +7,7 @@ import io
 from fake_game import FakeGame
 
 from twonav_cli.events import RunEnded
+from twonav_cli.terminal.commands import AddGoal
 from twonav_cli.terminal.plain import PlainPrinter
 
 
@@ -30,3 +31,14 @@ def test_an_action_line_holds_cell_action_outcome_truth_error_and_values() -> No
     line = printed()[2]
     for part in ("1.1 ", "(12,23) up", "reached", "true (11,23)", "6.7 cm", "3.4 deg", "Q   27.74", "TD"):
         assert part in line
+
+
+def test_a_goal_that_is_added_is_one_line_and_its_trials_are_counted_like_any_other() -> None:
+    game, stream = FakeGame(), io.StringIO()
+    printer = PlainPrinter(stream)
+    for event in [*game.began(), *game.answer(AddGoal("plant", 0.2, 7.4)), *game.walk("plant")]:
+        printer(event)
+    lines = stream.getvalue().splitlines()
+    assert lines[1].startswith("info: plant: learned in")
+    assert lines[2].startswith("trial 1: to plant from (12,23), shortest ")
+    assert lines[-1].startswith("trial 1: plant in ")

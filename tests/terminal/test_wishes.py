@@ -9,7 +9,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from twonav_cli.terminal.commands import Command, GoTo, Kidnap, Move, Pause, Quit, SingleStep, Speed
+from twonav_cli.experiments.new_goal import GoalWish
+from twonav_cli.terminal.commands import AddGoal, Command, GoTo, Kidnap, Move, Pause, Quit, SingleStep, Speed
 from twonav_cli.terminal.wishes import QueuedWishes
 
 
@@ -52,6 +53,23 @@ def test_nothing_is_wanted_at_first(player: Player) -> None:
 def test_goals_are_handed_out_once_and_in_order(player: Player) -> None:
     wishes = player.asks(GoTo("bed"), GoTo("desk"))
     assert [wishes.next_goal(wait=False) for _ in range(3)] == ["bed", "desk", None]
+
+
+def test_a_goal_is_added_before_any_that_was_asked_for_is_driven_to(player: Player) -> None:
+    wishes = player.asks(AddGoal("plant", 3.2, 1.5), GoTo("plant"), AddGoal("here"))
+    assert wishes.next_goal(wait=True) is None
+    assert wishes.take_new_goal() == GoalWish("plant", (3.2, 1.5))
+    assert wishes.take_new_goal() == GoalWish("here")
+    assert wishes.take_new_goal() is None
+    assert wishes.next_goal(wait=False) == "plant"
+
+
+def test_a_goal_is_added_during_a_pause_and_uses_up_no_single_step(player: Player) -> None:
+    player.asks(SingleStep(), AddGoal("plant", 3.2, 1.5))
+    assert player.is_let_on(within_s=1.0)
+    player.wishes.take_new_goal()
+    assert player.is_let_on(within_s=1.0)
+    assert not player.is_let_on(within_s=0.2)
 
 
 def test_a_kidnap_and_a_move_happen_once(player: Player) -> None:

@@ -15,10 +15,11 @@ from typing import Protocol
 
 import numpy as np
 
-from twonav_cli.errors import unknown_name
+from twonav_cli.errors import TwonavError, unknown_name
 from twonav_cli.events import (
     Clock,
     Event,
+    GoalAdded,
     GoalChosen,
     Kidnapped,
     Note,
@@ -28,12 +29,14 @@ from twonav_cli.events import (
     TrialEnded,
     TrialStarted,
 )
+from twonav_cli.experiments.new_goal import GoalWish, add_goal
 from twonav_cli.experiments.trials import Passed, failure_of
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell, GridFrame
 from twonav_cli.learner.agent import Agent
 from twonav_cli.maze import UNREACHABLE, Maze
-from twonav_cli.stages.stage import REACHED, Observation, Stage
+from twonav_cli.navigation.outcomes import REACHED
+from twonav_cli.stages.stage import Observation, Stage
 
 
 class JourneyLeftError(Exception):
@@ -45,6 +48,9 @@ class Wishes(Protocol):
 
     def next_goal(self, wait: bool) -> str | None:
         """Return a newly asked-for goal, if any; with `wait`, block until the person wants anything or leaves."""
+
+    def take_new_goal(self) -> GoalWish | None:
+        """Return a goal that is to be added, once; no goal that is asked for after it comes before it."""
 
     def take_kidnap(self) -> bool:
         """Whether the robot is to be carried elsewhere, once."""
@@ -70,6 +76,10 @@ class NoWishes:
 
     def next_goal(self, wait: bool) -> str | None:
         """Never a further goal."""
+        return None
+
+    def take_new_goal(self) -> GoalWish | None:
+        """Never."""
         return None
 
     def take_kidnap(self) -> bool:
@@ -138,7 +148,7 @@ class Journey:
             if name not in self.agent.goal_names:
                 raise unknown_name("goal", name, self.agent.goal_names)
         self._seen = self.stage.place(start)
-        self._sink(QSnapshot(self._clock(), self.agent.table()))
+        self._sink(QSnapshot(self._clock(), self.agent.table(), self.agent.td_table()))
         try:
             while True:
                 goal = waiting.popleft() if waiting else self._asked_for(wait=stay)
@@ -153,7 +163,7 @@ class Journey:
         index = self.agent.goal_names.index(goal)
         start, begun, shortest = self._seen.cell, self._step, self._shortest_to(goal)
         self._sink(GoalChosen(self._clock(), goal, "asked for", self.agent.td_error_of_goals()))
-        self._sink(QSnapshot(self._clock(), self.agent.table()))
+        self._sink(QSnapshot(self._clock(), self.agent.table(), self.agent.td_table()))
         self._sink(TrialStarted(self._clock(), goal, start, self._seen.pose_true))
         passed: list[Passed] = []
         outcome = "time-out"
@@ -206,6 +216,8 @@ class Journey:
     def _between_actions(self) -> str | None:
         """Do what the person wants done now; return the goal that was asked for, if any."""
         self._wishes.wait_for_permission()
+        while self._new_goal_added():
+            self._wishes.wait_for_permission()  # who is paused stays so
         if self._wishes.left():
             raise JourneyLeftError
         if self._wishes.take_kidnap():
@@ -216,6 +228,8 @@ class Journey:
         """Do what the person wants while the robot has no goal; return whether there was anything."""
         if self._wishes.left():
             return False
+        if self._new_goal_added():
+            return True
         if self._wishes.take_kidnap():
             self._kidnap()
             return True
@@ -223,6 +237,22 @@ class Journey:
             self._sink(Note(self._clock(), "INFO", "name a goal first, then take the wheel"))
             return True
         return False
+
+    def _new_goal_added(self) -> bool:
+        """Add the goal that the person wants added, if any, or note why it cannot be; return whether there was one."""
+        wish = self._wishes.take_new_goal()
+        if wish is None:
+            return False
+        try:
+            self.maze, sentence = add_goal(self.agent, self.maze, self.frame, wish, self._seen.cell)
+        except TwonavError as error:
+            self._sink(Note(self._clock(), "WARN", str(error)))
+            return True
+        self.stage.maze = self.maze
+        self._sink(GoalAdded(self._clock(), wish.name, self.maze.goals[wish.name]))
+        self._sink(QSnapshot(self._clock(), self.agent.table(), self.agent.td_table()))
+        self._sink(Note(self._clock(), "INFO", sentence))
+        return True
 
     def _asked_for(self, wait: bool) -> str | None:
         """Return the next goal that the person asks for; an unknown one is only noted."""

@@ -5,6 +5,7 @@ Everything heavy is imported when it is loaded.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -68,7 +69,8 @@ def _is_for(folder: Path, scene_digest: str | None) -> bool:
 def load_agent(floor: Floor, stage: str, chosen: Path | None = None, own_first: bool = False) -> Agent:
     """Load the agent that knows most about a stage: its own, else that of the stage before.
 
-    The learning settings are those of `stage`, whichever agent it is.
+    The learning settings are those of `stage`, whichever agent it is. What the agent of either stage experienced stays
+    known for `Agent.add_goal`.
 
     Raises:
         TwonavError: No checkpoint, or one that is damaged or belongs to another scene or map.
@@ -76,13 +78,23 @@ def load_agent(floor: Floor, stage: str, chosen: Path | None = None, own_first: 
     from twonav_cli.config import learning_preset
     from twonav_cli.learner.agent import Agent
 
+    def folder_of(name: str) -> Path:
+        return checkpoint_folder(floor.scene.name, name, chosen, own_first, floor.scene.digest)
+
+    digests, before = (floor.scene.digest, floor.map.digest), STAGE_BEFORE.get(stage)
     try:
-        folder = checkpoint_folder(floor.scene.name, stage, chosen, own_first, floor.scene.digest)
+        folder = folder_of(stage)
     except TwonavError:
-        if stage not in STAGE_BEFORE:
+        if before is None:
             raise
-        folder = checkpoint_folder(floor.scene.name, STAGE_BEFORE[stage], chosen, own_first, floor.scene.digest)
-    return Agent.load(folder, floor.scene.digest, floor.map.digest, learning_preset(stage))
+        return Agent.load(folder_of(before), *digests, learning_preset(stage))
+    agent = Agent.load(folder, *digests, learning_preset(stage))
+    agent.earlier_here, agent.earlier_elsewhere = agent.earlier_elsewhere, agent.earlier_here
+    if before is not None:
+        # Without it the agent only knows less for a new goal, so nothing that is wrong with it stops the stage.
+        with contextlib.suppress(TwonavError):
+            agent.earlier_elsewhere = Agent.load(folder_of(before), *digests).replay
+    return agent
 
 
 def load_localize(floor: Floor, chosen: Path | None = None, own_first: bool = False) -> Localize:

@@ -1,7 +1,4 @@
-"""The learning loops: a compiled one for the maze, and a slow one over any stage.
-
-G goals, R rows, C columns, A actions, n trials.
-"""
+"""One trial after the other in any stage, and why a trial failed; the compiled loop of the maze is `maze_learning`."""
 
 from __future__ import annotations
 
@@ -10,34 +7,24 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from twonav_cli.errors import TwonavError
-from twonav_cli.events import (
-    Clock,
-    GoalChosen,
-    GoalLearned,
-    QSnapshot,
-    Sink,
-    StepTaken,
-    TrialBatch,
-    TrialEnded,
-    TrialStarted,
+from twonav_cli.events import Clock, QSnapshot, Sink, StepTaken, TrialEnded, TrialStarted
+from twonav_cli.experiments.learning_progress import (
+    LearningOutcome,
+    after_trials,
+    check_learnable,
+    choose_goal_if_none,
+    clock_of,
+    outcome_of,
 )
 from twonav_cli.grid import Cell
 from twonav_cli.learner.agent import Agent
-from twonav_cli.learner.goals import GOAL_SELECTIONS, NO_GOAL, is_learned, next_goal, record_trial
-from twonav_cli.learner.maze_loop import Columns, MazeLoop
-from twonav_cli.maze import UNREACHABLE, Maze
+from twonav_cli.learner.goals import is_learned, record_trial
+from twonav_cli.navigation.outcomes import REACHED
 from twonav_cli.rng import stream
-from twonav_cli.stages.stage import REACHED, Observation, Stage
-
-SNAPSHOT_TRIALS = 5000
-"""Trials between two snapshots of the table in the maze (ours); one more is taken when a goal is learned."""
+from twonav_cli.stages.stage import Observation, Stage
 
 SNAPSHOT_ROUNDS = 5
 """Rounds (a trial from each start) between two snapshots of the table in another stage (ours)."""
-
-MAZE_STEPS_AT_MOST = 20_000_000
-"""Actions after which learning in the maze gives up (ours): about a hundred times what the apartment takes."""
 
 TRIALS_AT_MOST = 10_000
 """Trials after which learning in another stage gives up (ours)."""
@@ -47,27 +34,6 @@ BLOCKED_LOOK_BACK, BLOCKED_AT_LEAST = 20, 10
 
 LOOP_LOOK_BACK, LOOP_CELLS_AT_MOST = 40, 8
 """A failed trial was a "loop" when its last steps saw so few cells."""
-
-
-@dataclass(frozen=True)
-class LearningOutcome:
-    """How a learning run ended.
-
-    Attributes:
-        outcome: "learned", "stopped" (asked to) or "gave-up" (the limit of steps or trials).
-        trials: Trials over the whole run.
-        steps: Actions over the whole run.
-        learned: Names of the goals learned.
-        trials_of_goal: Name of each goal to the trials spent on it.
-        steps_of_goal: Name of each goal to the actions spent on it.
-    """
-
-    outcome: str
-    trials: int
-    steps: int
-    learned: tuple[str, ...]
-    trials_of_goal: dict[str, int]
-    steps_of_goal: dict[str, int]
 
 
 @dataclass(frozen=True)
@@ -89,109 +55,6 @@ class TrialResult:
     cause: str
     evidence: str
     clock: Clock
-
-
-def check_learnable(agent: Agent, maze: Maze) -> None:
-    """Make sure that the agent fits the maze and that every goal can be reached from every start.
-
-    Raises:
-        TwonavError: It does not, there is no start, or a goal is cut off.
-    """
-    agent.check_fits(maze)
-    if not maze.starts:
-        raise TwonavError("there is no start to learn from: add one to the scene")
-    for goal, cell in maze.goals.items():
-        distances = maze.distances_to(cell)
-        for start, start_cell in maze.starts.items():
-            if distances[start_cell] == UNREACHABLE:
-                raise TwonavError(f"goal {goal!r} cannot be reached from start {start!r}: move one of them")
-
-
-def learn_maze(
-    agent: Agent,
-    maze: Maze,
-    seed: int,
-    sink: Sink,
-    should_stop: Callable[[], bool],
-    steps_at_most: int = MAZE_STEPS_AT_MOST,
-) -> LearningOutcome:
-    """Learn every goal of a maze with the compiled loop (§4.3); a run that was stopped goes on where it was.
-
-    Args:
-        agent: Changed in place; its progress says where the run stands.
-        maze: The agent's.
-        seed: Of a run that begins; one that goes on has its own.
-        sink: Gets GoalChosen, TrialBatch, GoalLearned and QSnapshot.
-        should_stop: Asked every few hundred trials.
-        steps_at_most: Actions after which the run gives up.
-
-    Raises:
-        TwonavError: The agent does not fit the maze, or a goal cannot be reached.
-    """
-    check_learnable(agent, maze)
-    loop = MazeLoop(agent, maze, seed)
-    progress = agent.progress
-    try:
-        while not progress.learned.all():
-            if should_stop():
-                return _outcome_of("stopped", agent)
-            if progress.step >= steps_at_most:
-                return _outcome_of("gave-up", agent)
-            _choose_goal_if_none(agent, seed, sink)
-            steps_before, trials_before = progress.step, progress.trial
-            rows, learned = loop.run()
-            sink(_batch_of(rows, loop, agent, steps_before))
-            _after_trials(agent, learned, trials_before, SNAPSHOT_TRIALS, 0.0, sink)
-    finally:
-        loop.close()
-    return _outcome_of("learned", agent)
-
-
-def _outcome_of(outcome: str, agent: Agent) -> LearningOutcome:
-    progress, names = agent.progress, agent.goal_names
-    learned = tuple(name for name, done in zip(names, progress.learned, strict=True) if done)
-    trials = dict(zip(names, progress.trials_of_goal, strict=True))
-    steps = dict(zip(names, progress.steps_of_goal, strict=True))
-    return LearningOutcome(outcome, progress.trial, progress.step, learned, trials, steps)
-
-
-def _clock_of(agent: Agent, time_s: float = 0.0) -> Clock:
-    return Clock(agent.progress.trial, agent.progress.step, time_s)
-
-
-def _choose_goal_if_none(agent: Agent, seed: int, sink: Sink, time_s: float = 0.0) -> None:
-    progress = agent.progress
-    if progress.goal != NO_GOAL:
-        return
-    td_errors, rule = agent.td_error_of_goals(), agent.config.goal_selection
-    rng = stream(seed, "goals", int(progress.learned.sum()))
-    agent.begin_goal(next_goal(rule, td_errors, progress.learned, rng))
-    name = agent.goal_names[progress.goal]
-    sink(GoalChosen(_clock_of(agent, time_s), name, GOAL_SELECTIONS[rule], td_errors))
-
-
-def _batch_of(rows: Columns, loop: MazeLoop, agent: Agent, steps_before: int) -> TrialBatch:
-    goal = agent.progress.goal
-    return TrialBatch(
-        clock=_clock_of(agent),
-        goal=np.full(len(rows.steps), goal, dtype=np.int64),
-        start=rows.start,
-        steps=rows.steps,
-        reached=rows.reached,
-        shortest=loop.ways.shortest[rows.start, goal],
-        td_errors=rows.td_errors,
-        last_step=steps_before + np.cumsum(rows.steps),
-    )
-
-
-def _after_trials(agent: Agent, learned: bool, trials_before: int, period: int, time_s: float, sink: Sink) -> None:
-    """Close a learned goal, and send the table when it is due."""
-    clock, progress = _clock_of(agent, time_s), agent.progress
-    if learned:
-        sink(GoalLearned(clock, agent.goal_names[progress.goal]))
-        progress.finish_goal()
-    if learned or progress.trial // period > trials_before // period:
-        sink(QSnapshot(clock, agent.table()))
 
 
 def learn_in_stage(
@@ -217,16 +80,17 @@ def learn_in_stage(
     """
     check_learnable(agent, stage.maze)
     progress = agent.progress
+    sink(QSnapshot(clock_of(agent, stage.time_s), agent.table(), agent.td_table()))
     while not progress.learned.all():
         if should_stop():
-            return _outcome_of("stopped", agent)
+            return outcome_of("stopped", agent)
         if progress.trial >= trials_at_most:
-            return _outcome_of("gave-up", agent)
-        _choose_goal_if_none(agent, seed, sink, stage.time_s)
+            return outcome_of("gave-up", agent)
+        choose_goal_if_none(agent, seed, sink, stage.time_s)
         trials_before = progress.trial
         learned = _learn_from_trial(stage, agent, seed, sink)
-        _after_trials(agent, learned, trials_before, SNAPSHOT_ROUNDS * len(stage.maze.starts), stage.time_s, sink)
-    return _outcome_of("learned", agent)
+        after_trials(agent, learned, trials_before, SNAPSHOT_ROUNDS * len(stage.maze.starts), stage.time_s, sink)
+    return outcome_of("learned", agent)
 
 
 def _learn_from_trial(stage: Stage, agent: Agent, seed: int, sink: Sink) -> bool:
@@ -234,7 +98,7 @@ def _learn_from_trial(stage: Stage, agent: Agent, seed: int, sink: Sink) -> bool
     progress, starts = agent.progress, list(stage.maze.starts.values())
     goal, start = progress.goal, progress.next_start
     rng = stream(seed, "explore", progress.trial)
-    clock = _clock_of(agent, stage.time_s)
+    clock = clock_of(agent, stage.time_s)
     result = run_trial(stage, agent, goal, starts[start], rng, clock, sink, learn=True, explore=True)
     agent.end_trial()
     record_trial(progress.consecutive, progress.window, start, result.steps, result.outcome == "reached")

@@ -22,10 +22,7 @@ from twonav_cli.navigation.distance import fill_distances
 from twonav_cli.navigation.dwa import DynamicWindow, Leg, Plan
 from twonav_cli.navigation.dwa_costs import DwaWeights
 from twonav_cli.navigation.footprint import touches
-
-REACHED = "reached"
-BLOCKED = "blocked"
-TIMED_OUT = "timed-out"
+from twonav_cli.navigation.outcomes import BLOCKED, REACHED, TIMED_OUT
 
 STILL_MPS = 0.03
 """Slower than this the robot stands (ours)."""

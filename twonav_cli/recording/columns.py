@@ -34,6 +34,7 @@ BEAM_ANGLES_RAD = np.linspace(-math.pi / 2, math.pi / 2, 180)
 JPEG_QUALITY = 85
 MAX_CANDIDATES = 24
 CANDIDATE_POSES = 6
+SMALLEST_ERROR = 1e-4
 
 _OUTLINE = np.array([*ROBOT_FOOTPRINT_M, ROBOT_FOOTPRINT_M[0]])
 
@@ -62,6 +63,25 @@ class Marks(NamedTuple):
     points: list[tuple[float, float]]
     labels: list[str]
     colours: list[int]
+
+
+class GoalErrors(NamedTuple):
+    """TD errors of every goal, ready to be drawn."""
+
+    at_start: int
+    """Goals that the recording began with: a curve has a fixed number of lines, so later ones get their own."""
+    powers: FloatArray
+    """[G] log10."""
+
+
+def log10_error(td_errors: FloatArray) -> FloatArray:
+    """Return log10 of TD errors of any shape, cut at SMALLEST_ERROR: plots have no logarithmic axis."""
+    return np.asarray(np.log10(np.maximum(td_errors, SMALLEST_ERROR)), dtype=np.float64)
+
+
+def goal_errors(at_start: int, td_errors: FloatArray) -> GoalErrors:
+    """Return the TD errors of the goals [G] as they are drawn."""
+    return GoalErrors(at_start, log10_error(td_errors))
 
 
 @lru_cache
@@ -237,15 +257,45 @@ def _state(entity: str) -> Callable[[Sequence[str]], Filled]:
     return fill
 
 
+def curves_of_goals(entity: str, at_start: int, powers: FloatArray) -> Filled:
+    """Return a row of lines [n, G] of the goals at the start, and a line of its own for each later goal."""
+    later = [
+        (f"{entity}/goal_{index:02d}", rr.Scalars.columns(scalars=powers[:, index]))
+        for index in range(at_start, powers.shape[1])
+    ]
+    return [(entity, rr.Scalars.columns(scalars=powers[:, :at_start])), *later]
+
+
+def _goal_curves(entity: str) -> Callable[[Sequence[GoalErrors]], Filled]:
+    def fill(values: Sequence[GoalErrors]) -> Filled:
+        powers = np.full((len(values), max(len(value.powers) for value in values)), np.nan)
+        for row, value in enumerate(values):
+            powers[row, : len(value.powers)] = value.powers
+        return curves_of_goals(entity, values[0].at_start, powers)
+
+    return fill
+
+
+def choice_mark_columns(values: Sequence[tuple[float, int]]) -> Filled:
+    """TD error (log10) and colour of a goal at the moment when it was chosen."""
+    marks = rr.Scalars.columns(scalars=[value[0] for value in values])
+    colours = rr.SeriesPoints.columns(colors=packed([value[1] for value in values]))
+    return [("learning/chosen", [*marks, *colours])]
+
+
 def log_columns(values: Sequence[tuple[str, str]]) -> Filled:
     """Sentences with their level."""
     return [("log", rr.TextLog.columns(level=[v[0] for v in values], text=[v[1] for v in values]))]
 
 
-def trial_columns(values: Sequence[dict[str, Any]]) -> Filled:
-    """One machine-readable row per trial; every value has the same keys."""
-    columns: dict[str, Any] = {key: [value[key] for value in values] for key in values[0]}
-    return [("trials", rr.AnyValues.columns(**columns))]
+def _rows(entity: str) -> Callable[[Sequence[dict[str, Any]]], Filled]:
+    """Machine-readable rows; every value has the same keys."""
+
+    def fill(values: Sequence[dict[str, Any]]) -> Filled:
+        columns: dict[str, Any] = {key: [value[key] for value in values] for key in values[0]}
+        return [(entity, rr.AnyValues.columns(**columns))]
+
+    return fill
 
 
 def table_columns(values: Sequence[str]) -> Filled:
@@ -266,14 +316,18 @@ COLUMNS: dict[str, Callable[[Sequence[Any]], Filled]] = {
     "goal": goal_columns,
     "failures": mark_columns,
     "log": log_columns,
-    "trials": trial_columns,
+    "trials": _rows("trials"),
+    "choices": _rows("choices"),
+    "learned": _rows("learned"),
     "table": table_columns,
     "step/q": _scalars("metrics/q_values"),
-    "step/td_error": _scalars("metrics/td_error"),
+    "step/td_error": _goal_curves("metrics/td_error"),
     "state/goal": _state("state/goal"),
     "state/outcome": _state("state/outcome"),
     "state/cause": _state("state/why"),
-    "learning/td_error": _scalars("learning/td_error"),
+    "learning/td_error": _goal_curves("learning/td_error"),
+    "learning/chosen": choice_mark_columns,
+    "learning/round": _scalars("learning/round"),
     "learning/steps": _scalars("learning/steps"),
     "learning/reached": _scalars("learning/reached"),
     "fit/loss": _scalars("train/loss"),

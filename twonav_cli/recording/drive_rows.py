@@ -7,10 +7,10 @@ import rerun as rr
 
 from twonav_cli.events import Clock, Kidnapped, StepTaken, Tick, TrialEnded, TrialStarted
 from twonav_cli.grid import GridFrame
-from twonav_cli.maze import Action, Maze
-from twonav_cli.recording.columns import Marks, cost_patch, thinned_candidates
+from twonav_cli.maze import Action
+from twonav_cli.recording.columns import Marks, cost_patch, goal_errors, thinned_candidates
 from twonav_cli.recording.flight import Detail, has_failed
-from twonav_cli.recording.learning_rows import log10_error
+from twonav_cli.recording.goal_list import GoalList
 from twonav_cli.recording.palette import CAUSE_COLOURS
 from twonav_cli.recording.rrd_file import RrdFile
 
@@ -27,10 +27,10 @@ TOUCHED = 0xD55E00FF
 class DriveRows:
     """Turns the events of a trial into rows."""
 
-    def __init__(self, file: RrdFile, maze: Maze, frame: GridFrame) -> None:
+    def __init__(self, file: RrdFile, frame: GridFrame, goals: GoalList) -> None:
         self._file = file
-        self._maze = maze
         self._frame = frame
+        self._goals = goals
         self._ticks = self._candidates_due = self._cost_map_due = 0
         self._trail: list[tuple[float, float]] = []
         self._lost = False
@@ -43,8 +43,9 @@ class DriveRows:
         self._lost = False
         pose = event.pose_true
         self._trail = [(pose.x_m, pose.y_m) if pose else self._frame.centre_of(event.start)]
-        if event.goal in self._maze.goals:
-            self._file.put("goal", self._frame.centre_of(self._maze.goals[event.goal]), event.clock, Detail.POSES)
+        place = self._goals.position_of(event.goal)
+        if place is not None:
+            self._file.put("goal", place, event.clock, Detail.POSES)
 
     def tick(self, event: Tick) -> None:
         """Buffer one control period; what is dear only every few periods."""
@@ -75,7 +76,7 @@ class DriveRows:
         self._trail.append(here)
         put("trail", np.array(self._trail[-MAX_TRAIL:], dtype=np.float32), clock)
         put("step/q", event.q_values.copy(), clock)
-        put("step/td_error", log10_error(event.td_errors), clock)
+        put("step/td_error", goal_errors(self._goals.at_start, event.td_errors), clock)
         if event.image is not None:
             put("camera", event.image.copy(), clock)
         self._say_what_is_wrong(event)

@@ -28,8 +28,9 @@ _DRIVE = """
 ## The other tabs
 * **Q-values**: value of the best action per cell and the greedy action, for the goal driven to and for every goal;
   bright is close to the goal. Unvisited cells keep their initial value.
-* **Learning**: TD error per goal (log10; the largest decides the next goal), actions per trial beside the shortest
-  way, share of the last 20 trials that reached the goal, and why each goal was chosen.
+* **TD errors**: per goal and cell, how wrong the value was at the latest visit; pink is what was never tried.
+* **Learning**: TD error per goal (log10; in training the largest decides the next goal), actions per trial beside the
+  shortest way, share of the last 20 trials that reached the goal, a lane per goal, and why each goal was chosen.
 * **Controller**: the robot from above, always in the middle: candidate motions (dark is cheap, red would touch), the
   chosen one in black, and the local cost map. Candidates and cost map lie where the controller believes they lie.
 * **Trials**: the last trials as a table; for programs every one is a row of `/trials`.
@@ -37,12 +38,26 @@ _DRIVE = """
 
 _MAZE = """
 ## How to read it
-* **Learning**: TD error per goal (log10; the largest decides the next goal), actions per trial beside the shortest way
-  (means over a few trials in a long run), share of trials that reached the goal.
-* **Q-values**: value of the best action per cell and the greedy action per goal; bright is close to the goal.
-  Unvisited cells keep their initial value. Move the cursor to see them grow.
-* **Maze**: the maze (row 0 is the top), and the way of single trials where they were recorded.
-* **Trials**: one row per trial (of a long run only some), also for programs (`/trials`).
+1. **Story** answers which goal was trained when, and why that one. Each goal has a lane: waiting, current, learned. A
+   goal stays current until it is learned; then the one with the largest TD error among the others is next. The log
+   says so with the two largest numbers; the diamonds on the curves are these choices. Click a line of the log to move
+   the cursor there; the table below it shows every goal's TD error at the moment of the choice.
+2. The TD error of a goal is the mean over all cells and actions (log10 in the plot). All curves fall together, because
+   every action teaches every goal. Early on what was never tried weighs most: such an entry counts 10,000.
+3. *Actions per trial* are means over one trial from each start, beside the shortest way. They rise when a new goal
+   begins, and fall to the shortest way while it is learned.
+4. **Q-values**: value of the best action per cell and the greedy action, for every goal. Drag the cursor from trial 0
+   on and watch the values of all goals grow at once; most of it happens in the first hundred trials (the tables are
+   recorded after trials 1, 2, 3, 5, 8, ... and whenever a goal is learned). Unvisited cells keep their initial value.
+5. **TD errors**: per goal and cell, the mean over the four actions of how wrong the value was at the latest visit, in
+   powers of ten. Pink cells have actions that were never tried. Cells that stay bright were rarely visited since:
+   that is where this goal still has something to learn. Point at a cell to read its number.
+
+## The other tabs
+* **Maze**: the maze (row 0 is the top), the way of single trials where they were recorded, actions of every trial, and
+  the share that reached the goal (means over a few trials in a long run).
+* **Trials**: one row per trial (of a long run only some). For programs: `/trials`, `/choices` (every choice of a goal
+  with its reason and the TD errors behind it), `/learned` and `/totals`; `twonav inspect FILE` prints them.
 """
 
 _FIT = """

@@ -1,4 +1,4 @@
-"""Rows about learning: chosen goals, trials, TD errors. G goals, n trials.
+"""Rows about trials: how each ended, the TD errors after it, sums per goal. G goals, n trials.
 
 A long run in the maze has hundreds of thousands of trials: beyond ROWS_PER_DOUBLING rows each row stands for two
 trials, then four, and so on, so that the file grows with the logarithm of the run.
@@ -13,9 +13,12 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from twonav_cli.events import Clock, GoalChosen, GoalLearned, TrialBatch, TrialEnded, TrialStarted
+from twonav_cli.events import Clock, GoalAdded, GoalLearned, QSnapshot, TrialBatch, TrialEnded, TrialStarted
 from twonav_cli.maze import Maze
+from twonav_cli.recording.columns import curves_of_goals, goal_errors, log10_error
 from twonav_cli.recording.flight import Detail
+from twonav_cli.recording.goal_list import GoalList
+from twonav_cli.recording.rounds import Rounds
 from twonav_cli.recording.rrd_file import RrdFile
 
 FloatArray = NDArray[np.float64]
@@ -25,17 +28,11 @@ BATCH_TRIALS = 1000
 """Compiled trials that are collected before they are written."""
 SHARE_TRIALS = 20
 """Trials over which the share of successes is taken."""
-SMALLEST_ERROR = 1e-4
 TABLE_TRIALS = 30
 """Trials in the table of the "Trials" tab."""
 TABLE_HEAD = (
     "| trial | from | goal | outcome | actions | shortest | cause | evidence | sim_time |\n" + "|---" * 9 + "|\n"
 )
-
-
-def log10_error(td_errors: FloatArray) -> FloatArray:
-    """Return log10 of TD errors of any shape, cut at SMALLEST_ERROR: plots have no logarithmic axis."""
-    return np.asarray(np.log10(np.maximum(td_errors, SMALLEST_ERROR)), dtype=np.float64)
 
 
 def thinned(batch: TrialBatch, every: int) -> tuple[NDArray[np.int64], FloatArray, FloatArray]:
@@ -55,47 +52,36 @@ def thinned(batch: TrialBatch, every: int) -> tuple[NDArray[np.int64], FloatArra
 
 
 def _joined(batches: list[TrialBatch]) -> TrialBatch:
-    columns = ("goal", "start", "steps", "reached", "shortest", "td_errors", "last_step")
+    columns = ("goal", "start", "steps", "reached", "shortest", "last_step")
+    width = max(batch.td_errors.shape[1] for batch in batches)
+    # A goal that was added between two batches has no TD error in the first.
+    errors = [np.pad(b.td_errors, ((0, 0), (0, width - b.td_errors.shape[1])), constant_values=np.nan) for b in batches]
     return TrialBatch(
-        batches[-1].clock, **{name: np.concatenate([getattr(b, name) for b in batches]) for name in columns}
+        batches[-1].clock,
+        **{name: np.concatenate([getattr(b, name) for b in batches]) for name in columns},
+        td_errors=np.concatenate(errors),
     )
 
 
 class LearningRows:
-    """Turns choices and trials into rows."""
+    """Turns trials into rows."""
 
-    def __init__(self, file: RrdFile, maze: Maze) -> None:
-        self._file = file
-        self._maze = maze
-        self._choices = dict.fromkeys(maze.goals, 0)
+    def __init__(self, file: RrdFile, maze: Maze, goals: GoalList) -> None:
+        self._file, self._maze, self._goals = file, maze, goals
         self._recent: deque[bool] = deque(maxlen=SHARE_TRIALS)
         self._start = TrialStarted(Clock(), "", next(iter(maze.starts.values()), maze.free_cells[0]))
         self._table: deque[str] = deque(maxlen=TABLE_TRIALS)
         self._waiting: list[TrialBatch] = []
+        self._rounds = Rounds(max(len(maze.starts), 1))
         self._rows = 0
-        self._trials = 0
-        self._totals = np.zeros((4, len(maze.goals)), dtype=np.int64)
+        self._goal = -1
+        self._compiled = np.zeros((4, len(goals)), dtype=np.int64)
+        self._single = self._compiled.copy()
 
-    def goal_chosen(self, event: GoalChosen) -> None:
-        """Write the choice, its reason and the TD errors behind it."""
-        if event.goal in self._choices:
-            self._choices[event.goal] += 1
-        put, clock = self._file.put, event.clock
-        put("log", ("INFO", f"goal {event.goal}: {event.reason}"), clock, Detail.TRIAL)
-        if event.td_errors is not None:
-            put("learning/td_error", log10_error(event.td_errors), clock, Detail.TRIAL)
-        self._file.now("learning/choice", rr.TextDocument(self._choice_text(event), media_type="text/markdown"), clock)
-        counts = np.array(list(self._choices.values()))
-        self._file.now("learning/choices", rr.BarChart(counts, abscissa=np.arange(len(counts))), clock)
-
-    def _choice_text(self, event: GoalChosen) -> str:
-        errors = event.td_errors if event.td_errors is not None else np.full(len(self._choices), np.nan)
-        rows = [
-            f"| {i} | {'**' + name + '**' if name == event.goal else name} | {errors[i]:.3g} | {self._choices[name]} |"
-            for i, name in enumerate(self._choices)
-        ]
-        head = "|  | goal | TD error | chosen |\n|---|---|---|---|\n"
-        return f"## {event.goal}\n{event.reason}\n\n{head}" + "\n".join(rows)
+    def goal_added(self, event: GoalAdded) -> None:
+        """Make room for the new goal's sums."""
+        new = ((0, 0), (0, len(self._goals) - self._compiled.shape[1]))
+        self._compiled, self._single = np.pad(self._compiled, new), np.pad(self._single, new)
 
     def trial_started(self, event: TrialStarted) -> None:
         """Colour the lane of goals from here on."""
@@ -107,7 +93,6 @@ class LearningRows:
         put, clock, start = self._file.put, event.clock, self._start.clock
         reached = event.outcome == "reached"
         self._recent.append(reached)
-        self._trials = max(self._trials, clock.trial)
         put("trials", trial_row(event, start), clock, Detail.TRIAL)
         put("state/outcome", event.outcome, start, Detail.TRIAL)
         put("state/cause", event.cause or "none", start, Detail.TRIAL)
@@ -116,16 +101,42 @@ class LearningRows:
         put("log", trial_sentence(event), clock, Detail.TRIAL)
         self._table.appendleft(table_row(event, start))
         put("table", TABLE_HEAD + "\n".join(self._table), clock, Detail.TRIAL)
+        if event.goal in self._goals:
+            shortest = max(event.shortest, 0)
+            self._single[:, self._goals.names.index(event.goal)] += (reached, not reached, event.steps, shortest)
+            self._show_totals(clock)
 
-    def goal_learned(self, event: GoalLearned) -> None:
-        """Write that a goal met the criterion."""
-        self._file.put("log", ("INFO", f"goal {event.goal} is learned"), event.clock, Detail.TRIAL)
+    def snapshot(self, event: QSnapshot) -> None:
+        """Write the TD error of every goal, unless what was never tried counts in it, which a table does not tell."""
+        if event.td_errors is None:
+            return
+        means = event.td_errors[:, ~self._maze.blocked].mean(axis=(1, 2))
+        if not np.isnan(means).any():
+            row = goal_errors(self._goals.at_start, means)
+            self._file.put("learning/td_error", row, event.clock, Detail.TRIAL)
 
     def batch(self, event: TrialBatch) -> None:
         """Collect compiled trials and write them when there are enough."""
+        if len(event.steps) == 0:
+            return
+        if event.goal[0] != self._goal:
+            begun = Clock(event.clock.trial - len(event.steps), int(event.last_step[0] - event.steps[0]))
+            self._file.put("state/goal", self._goals.name_of(int(event.goal[0])), begun, Detail.TRIAL)
+        self._goal = int(event.goal[-1])
         self._waiting.append(event)
+        moments, means = self._rounds.add(event)
+        for (trial, step), mean in list(zip(moments.tolist(), means, strict=True))[:: self._every()]:
+            self._file.put("learning/round", mean, Clock(trial, step, event.clock.time_s), Detail.TRIAL)
         if sum(len(batch.steps) for batch in self._waiting) >= BATCH_TRIALS:
             self.write_batches()
+
+    def goal_learned(self, event: GoalLearned) -> None:
+        """Write the trials up to here, so that their sums are those of whole goals."""
+        self.write_batches()
+
+    def _every(self) -> int:
+        """Number of trials that a row stands for by now."""
+        return int(2 ** (self._rows // ROWS_PER_DOUBLING))
 
     def write_batches(self) -> None:
         """Write the compiled trials that were collected."""
@@ -133,26 +144,27 @@ class LearningRows:
             return
         batch = _joined(self._waiting)
         self._waiting = []
-        if len(batch.steps) == 0:
-            return
-        last, lengths, share = thinned(batch, 2 ** (self._rows // ROWS_PER_DOUBLING))
-        clocks = [Clock(self._trials + 1 + int(i), int(batch.last_step[i]), batch.clock.time_s) for i in last]
+        last, lengths, share = thinned(batch, self._every())
+        # The run's own count: a recording of a run that was gone on with does not begin at its first trial.
+        before = batch.clock.trial - len(batch.steps)
+        clocks = [Clock(before + 1 + int(i), int(batch.last_step[i]), batch.clock.time_s) for i in last]
         self._rows += len(last)
-        self._trials += len(batch.steps)
         send = self._file.send
-        send("learning/td_error", clocks, rr.Scalars.columns(scalars=log10_error(batch.td_errors[last])))
+        powers = log10_error(batch.td_errors[last])
+        for entity, curves in curves_of_goals("learning/td_error", self._goals.at_start, powers):
+            send(entity, clocks, curves)
         send("learning/steps", clocks, rr.Scalars.columns(scalars=lengths))
         send("learning/reached", clocks, rr.Scalars.columns(scalars=share))
         send("trials", clocks, rr.AnyValues.columns(**self._batch_rows(batch, last, clocks)))
         self._add_to_totals(batch, clocks[-1])
 
     def _batch_rows(self, batch: TrialBatch, last: NDArray[np.int64], clocks: list[Clock]) -> dict[str, Any]:
-        goals, cells = self._maze.goal_names, list(self._maze.starts.values())
+        cells = list(self._maze.starts.values())
         starts = [cells[i] for i in batch.start[last]]
         first_steps = batch.last_step[last] - batch.steps[last]
         return {
             "number": [clock.trial for clock in clocks],
-            "goal": [goals[i] for i in batch.goal[last]],
+            "goal": [self._goals.name_of(int(i)) for i in batch.goal[last]],
             "start_row": [cell.row for cell in starts],
             "start_col": [cell.col for cell in starts],
             "outcome": ["reached" if reached else "time-out" for reached in batch.reached[last]],
@@ -168,20 +180,21 @@ class LearningRows:
         }
 
     def _add_to_totals(self, batch: TrialBatch, clock: Clock) -> None:
-        goals = len(self._maze.goals)
+        goals = self._compiled.shape[1]
         for row, weights in enumerate((batch.reached, ~batch.reached, batch.steps, batch.shortest)):
             counts = np.bincount(batch.goal, weights=weights.astype(np.float64), minlength=goals)
-            self._totals[row] += counts.astype(np.int64)
-        sums: dict[str, Any] = dict(zip(TOTALS, self._totals.copy(), strict=True))
+            self._compiled[row] += counts[:goals].astype(np.int64)
+        sums: dict[str, Any] = dict(zip(TOTALS, self._compiled.copy(), strict=True))
         self._file.now("totals", rr.AnyValues(**sums), clock)
-        chosen = self._totals[0] + self._totals[1]
-        self._file.now("learning/choices", rr.BarChart(chosen, abscissa=np.arange(goals)), clock)
-        text = totals_text(self._maze.goal_names, self._totals)
-        self._file.now("learning/choice", rr.TextDocument(text, media_type="text/markdown"), clock)
+        self._show_totals(clock)
+
+    def _show_totals(self, clock: Clock) -> None:
+        text = totals_text(self._goals.names, self._compiled + self._single)
+        self._file.now("learning/totals", rr.TextDocument(text, media_type="text/markdown"), clock)
 
 
 TOTALS = ("reached", "failed", "steps", "shortest")
-"""Sums per goal [G] over all compiled trials so far, whether their rows were kept or not."""
+"""Sums per goal [G] over all compiled trials of the recording so far, whether their rows were kept or not."""
 
 
 def totals_text(goals: list[str], totals: NDArray[np.int64]) -> str:
@@ -190,9 +203,9 @@ def totals_text(goals: list[str], totals: NDArray[np.int64]) -> str:
     for index, goal in enumerate(goals):
         reached, failed, steps, shortest = (int(total) for total in totals[:, index])
         trials = max(reached + failed, 1)
-        rows.append(f"| {index} | {goal} | {reached} | {failed} | {steps / trials:.1f} | {shortest / trials:.1f} |")
-    head = "|  | goal | reached | not | mean actions | mean shortest |\n|---|---|---|---|---|---|\n"
-    return "## All trials so far\n" + head + "\n".join(rows)
+        rows.append(f"| {goal} | {reached} | {failed} | {steps:,} | {steps / trials:.1f} | {shortest / trials:.1f} |")
+    head = "| goal | reached | not | actions | per trial | shortest |\n" + "|---" * 6 + "|\n"
+    return head + "\n".join(rows)
 
 
 def trial_row(event: TrialEnded, start: Clock) -> dict[str, Any]:

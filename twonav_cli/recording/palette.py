@@ -18,8 +18,10 @@ GOAL_COLOURS: tuple[int, ...] = (
     0xAA4499FF,
     0xDDDDDDFF,
     0xAAAA00FF,
+    0xCC6677FF,
+    0x8877CCFF,
 )
-"""One per goal, repeated from the eleventh on."""
+"""One per goal, repeated from the thirteenth on."""
 
 OUTCOME_COLOURS: dict[str, int] = {
     "reached": 0x009E73FF,
@@ -50,6 +52,10 @@ VIRIDIS_ANCHORS = np.array(
     [(68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (190, 200, 40)], dtype=np.float64
 )
 """Five colours of viridis, the last one darkened so that it shows on a light floor."""
+
+WAITING_COLOUR = 0x33333AFF
+LEARNED_COLOUR = 0x2F5D50FF
+"""Of a goal's lane while it is not its turn, and from the moment on when it is learned."""
 
 COST_LEVELS = 16
 """A cost map is recorded in this many levels: it compresses well and no eye sees more."""

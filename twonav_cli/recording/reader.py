@@ -14,6 +14,7 @@ from rerun.chunk import RrdReader
 
 from twonav_cli.errors import TwonavError
 from twonav_cli.recording.flight import has_failed
+from twonav_cli.recording.trained_goals import TrainedGoal, trained_goals
 
 MAGIC = b"RRF2"
 
@@ -63,6 +64,8 @@ class Summary:
     """Outcome to number of trials, compiled ones included."""
     goal_counts: dict[str, tuple[int, int]]
     """Goal to (trials that reached it, trials that did not)."""
+    learning: tuple[TrainedGoal, ...]
+    """The goals in the order of training; empty when nothing was trained, or goals were chosen by a person."""
     metrics: dict[str, float]
     """Last validation of a network's training, else empty."""
     ending: str
@@ -109,6 +112,7 @@ def summarize(path: Path) -> Summary:
         trials=trials,
         counts=counts,
         goal_counts=goal_counts,
+        learning=_learning(chunks, trials) if run["command"] == "train" else (),
         metrics=_last_metrics(chunks),
         ending=endings[-1] if endings else "",
         whole=whole,
@@ -138,7 +142,7 @@ def _chunks(path: Path) -> tuple[dict[str, list[Any]], bool]:
     return found, not any("footer" in str(complaint.message) for complaint in complaints)
 
 
-_READ = {"/trials", "/totals", "/ending", "/__properties/run"}
+_READ = {"/trials", "/totals", "/choices", "/learned", "/ending", "/__properties/run"}
 
 
 def _rows(batches: list[Any]) -> Iterator[dict[str, Any]]:
@@ -162,6 +166,14 @@ def _trial_rows(batches: list[Any]) -> tuple[TrialRow, ...]:
     names = [field.name for field in fields(TrialRow)]
     rows = [TrialRow(**{name: row[name] for name in names}) for row in _rows(batches) if "number" in row]
     return tuple(sorted(rows, key=lambda row: row.number))
+
+
+def _learning(chunks: dict[str, list[Any]], trials: tuple[TrialRow, ...]) -> tuple[TrainedGoal, ...]:
+    compiled = any(row.sampled for row in trials)
+    ends = [(row.number if compiled else row.number + 1, row.last_step) for row in trials]
+    choices, learned = list(_rows(chunks.get("/choices", []))), list(_rows(chunks.get("/learned", [])))
+    known = [(row["after_trials"], row["after_steps"]) for row in (*choices, *learned)]
+    return trained_goals(choices, learned, max([*ends, *known], default=(0, 0)), 1 if compiled else 0)
 
 
 def _counts(

@@ -7,27 +7,33 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 import rerun as rr
+import rerun.blueprint as rrb
 
 from twonav_cli import __version__, events
 from twonav_cli.errors import unknown_name
 from twonav_cli.events import Clock, Event
 from twonav_cli.grid import GridFrame
+from twonav_cli.maze import Maze
 from twonav_cli.recording.blueprint import Replay, drive_blueprint, fitting_blueprint, maze_blueprint
+from twonav_cli.recording.choice_rows import ChoiceRows
 from twonav_cli.recording.drive_rows import DriveRows, unfinished
 from twonav_cli.recording.fitting_rows import FittingRows
 from twonav_cli.recording.flight import Detail, FlightRule, has_failed
+from twonav_cli.recording.goal_list import GoalList
 from twonav_cli.recording.guide_text import about
 from twonav_cli.recording.learning_rows import LearningRows
-from twonav_cli.recording.q_pictures import QPictures
 from twonav_cli.recording.rrd_file import FITTING_TIMELINES, TIMELINES, RrdFile
-from twonav_cli.recording.scenery import write_floor, write_looks, write_q_scenery
+from twonav_cli.recording.scenery import write_floor, write_goals, write_looks
+from twonav_cli.recording.snapshots import AT_ONCE, TableSnapshots
+from twonav_cli.recording.table_scenery import write_table_scenery
 
-APPLICATION_IDS = {"maze": "twonav_maze", "3d": "twonav_mujoco", "localizer": "twonav_fit"}
+APPLICATION_IDS = {"maze": "twonav_maze_2", "3d": "twonav_mujoco_2", "localizer": "twonav_fit"}
 """Stage to application id: one id, one layout, for the viewer keeps the layout of the first file of an id."""
 
 FORMAT = 1
@@ -35,6 +41,18 @@ STEPS_PER_SHIPMENT = 50
 """Actions after which a trial that is kept anyway is written, so that a killed game loses little."""
 REPLAY_S = 8.0
 """A recording marks this many seconds before its last failure."""
+
+ACTIONS_SHOWN = 4.0
+"""Longest shortest ways that the plot of actions is high."""
+
+
+def longest_way(maze: Maze) -> int:
+    """Return the length of the longest of the shortest ways between starts and goals, at least 1."""
+    ways = [maze.distances_to(goal)[start] for goal in maze.goals.values() for start in maze.starts.values()]
+    return max([1, *(int(way) for way in ways)])
+
+
+Layout = Callable[[Replay | None], rrb.Blueprint]
 
 
 class Recorder:
@@ -65,10 +83,10 @@ class Recorder:
         self._actions = 0
         self._replay: Replay | None = None
         self._replays_failure = False
-        self._goals: list[str] = []
-        self._frame: GridFrame | None = None
-        self._batches: Callable[[], None] | None = None
-        self._last_table: Callable[[], None] | None = None
+        self._snapshots = 0
+        self._at_once = AT_ONCE if kind == "maze" else 1
+        self._layout: Layout | None = None
+        self._finish: list[Callable[[], None]] = []
         self._closed = False
         self._takers: dict[type[Event], list[Callable[[Any], None]]] = {
             events.RunStarted: [self._run_started],
@@ -102,12 +120,11 @@ class Recorder:
         if self._trial is not None:
             unfinished(self._file, self._trial, self._clock)
             self._remember_replay(self._trial, self._clock, failed=False)
-        for finish in (self._batches, self._last_table):
-            if finish is not None:
-                finish()
+        for finish in self._finish:
+            finish()
         self._file.ship(self._rule.level(0, True, self._file.size_bytes))
-        if self._kind == "3d" and self._frame is not None:
-            self._file.show(drive_blueprint(self._goals, self._frame, self._replay))
+        if self._kind == "3d" and self._layout is not None:
+            self._file.show(self._layout(self._replay))
         self._file.close()
 
     def _run_started(self, event: events.RunStarted) -> None:
@@ -138,32 +155,53 @@ class Recorder:
         self._takers[events.FittingValidated] = [rows.validated]
 
     def _take_trials(self, event: events.RunStarted) -> None:
-        maze = event.maze
+        maze, always = event.maze, self._file.always
         assert maze is not None
         frame = event.maze_frame or GridFrame(0.0, 0.0, 1.0, maze.rows, maze.cols)
-        self._goals = maze.goal_names
-        self._frame = event.map_frame or frame
-        always = self._file.always
+        goals = GoalList(maze, frame)
+        self._layout = self._layout_of(event, goals, maze, event.map_frame or frame)
+        self._file.show(self._layout(None))
         write_floor(always, maze, frame, event.occupied, event.map_frame)
-        write_q_scenery(always, maze, frame)
-        write_looks(always, maze)
-        show_maze = self._kind == "maze"
-        layout = maze_blueprint(self._goals, frame) if show_maze else drive_blueprint(self._goals, self._frame, None)
-        self._file.show(layout)
-        drive, learning = DriveRows(self._file, maze, frame), LearningRows(self._file, maze)
-        pictures = QPictures(self._file, maze, frame)
-        self._batches, self._last_table = learning.write_batches, pictures.write_pending
+        write_goals(always, goals)
+        write_looks(always, goals.names)
+        write_table_scenery(always, maze, frame)
+        drive, learning = DriveRows(self._file, frame, goals), LearningRows(self._file, maze, goals)
+        choices = ChoiceRows(self._file, goals, event.clock)
+        tables = TableSnapshots(self._file, maze, frame, goals, at_once=self._at_once)
+        self._finish = [learning.write_batches, tables.close]
+        adding: list[Callable[[Any], None]] = [choices.goal_added, learning.goal_added, tables.goal_added]
+        started: list[Callable[[Any], None]] = [choices.trial_started, learning.trial_started, drive.trial_started]
         self._takers |= {
-            events.GoalChosen: [learning.goal_chosen, pictures.goal_chosen],
-            events.TrialStarted: [self._trial_started, learning.trial_started, drive.trial_started],
+            events.GoalChosen: [choices.goal_chosen, tables.goal_chosen],
+            events.TrialStarted: [self._trial_started, *started],
             events.Tick: [drive.tick],
             events.StepTaken: [drive.step, self._step_taken],
             events.TrialEnded: [drive.trial_ended, learning.trial_ended, self._trial_ended],
-            events.TrialBatch: [learning.batch],
-            events.GoalLearned: [learning.goal_learned],
-            events.QSnapshot: [pictures.snapshot],
+            events.TrialBatch: [choices.batch, learning.batch],
+            events.GoalLearned: [learning.goal_learned, choices.goal_learned],
+            events.GoalAdded: [partial(self._goal_added, goals), *adding],
+            events.QSnapshot: [tables.snapshot, learning.snapshot, self._between_trials],
             events.Kidnapped: [drive.kidnapped],
         }
+
+    def _layout_of(self, event: events.RunStarted, goals: GoalList, maze: Maze, frame: GridFrame) -> Layout:
+        """Return what lays the recording out for the goals so far."""
+        if self._kind == "3d":
+            return lambda replay: drive_blueprint(goals.names, frame, replay)
+        top, learns = ACTIONS_SHOWN * longest_way(maze), event.command == "train"
+        return lambda replay: maze_blueprint(goals.names, frame, top, learns=learns)
+
+    def _goal_added(self, goals: GoalList, event: events.GoalAdded) -> None:
+        goals.add(event.name, event.cell)
+        write_goals(self._file.always, goals)
+        if self._layout is not None:
+            self._file.show(self._layout(None))
+
+    def _between_trials(self, event: events.QSnapshot) -> None:
+        """Write what learning said so far, so that a killed run loses little, but not in chunks of single rows."""
+        self._snapshots += 1
+        if self._trial is None and self._snapshots % self._at_once == 0:
+            self._file.ship(self._rule.level(0, True, self._file.size_bytes))
 
     def _trial_started(self, event: events.TrialStarted) -> None:
         self._trial = event.clock

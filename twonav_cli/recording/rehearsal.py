@@ -58,6 +58,11 @@ def q_table(maze: Maze, share: float) -> NDArray[np.float64]:
     return table
 
 
+def td_table(q: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
+    """Return TD errors [G, R, C, A] of a table: a random one where it is learned, else not a number."""
+    return np.where(q == 80.0, np.nan, 10.0 ** rng.uniform(-2.0, 3.0, q.shape))
+
+
 def shortest_way(maze: Maze, start: Cell, goal: Cell) -> list[int]:
     """Return the actions of a shortest way."""
     distance, cell, way = maze.distances_to(goal), start, []
@@ -153,7 +158,8 @@ def driven_run(trials: int, seed: int = 0) -> Iterator[Event]:
     clock = Clock()
     for trial in range(1, trials + 1):
         if trial % 5 == 1:
-            yield events.QSnapshot(Clock(trial, clock.step, clock.time_s), q_table(maze, trial / (trials + 1)))
+            q = q_table(maze, trial / (trials + 1))
+            yield events.QSnapshot(Clock(trial, clock.step, clock.time_s), q, td_table(q, rng))
         bad = trial % 4 == 3
         outcome, cause = (
             (("false-arrival", "mislocalized") if trial % 8 == 3 else ("time-out", "loop")) if bad else ("reached", "")

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from twonav_cli.grid import GridFrame
 from twonav_cli.maze import Maze
 from twonav_cli.recording import palette
+from twonav_cli.recording.goal_list import GoalList
 from twonav_cli.recording.palette import packed
 
 Always = Callable[..., None]
@@ -19,11 +20,6 @@ Always = Callable[..., None]
 
 FREE_RGB = (232, 232, 228)
 WALL_RGB = (62, 64, 74)
-Q_RANGE = (-10.0, 135.0)
-"""Colour range of Q: a goal is worth 100; brighter colours are left free so that white arrows stay legible."""
-ARROW_CELLS = 0.62
-"""Length of a greedy arrow in cells."""
-
 Y_UP = rr.Transform3D(scale=[1.0, -1.0, 1.0])
 """Turns a map frame (y up) into the frame of a 2D view (y down)."""
 
@@ -33,16 +29,6 @@ def image_transform(frame: GridFrame) -> rr.Transform3D:
     return rr.Transform3D(
         translation=[frame.x_min_m, frame.y_max_m, 0.0], scale=[frame.resolution_m, -frame.resolution_m, 1.0]
     )
-
-
-def goal_entity(index: int) -> str:
-    """Return where the Q-values of a goal are kept."""
-    return f"q/goal_{index:02d}/map"
-
-
-def goal_points(maze: Maze, frame: GridFrame) -> NDArray[np.float64]:
-    """Return the position of every goal [G, 2]."""
-    return np.array([frame.centre_of(cell) for cell in maze.goals.values()]).reshape(-1, 2)
 
 
 def wall_edges(blocked: NDArray[np.bool_], frame: GridFrame) -> NDArray[np.float32]:
@@ -57,7 +43,7 @@ def wall_edges(blocked: NDArray[np.bool_], frame: GridFrame) -> NDArray[np.float
 
 
 def write_floor(always: Always, maze: Maze, frame: GridFrame, occupied: Any, map_frame: GridFrame | None) -> None:
-    """Write the map (or the maze where there is no map), the outline of the maze and the named goals."""
+    """Write the map (or the maze where there is no map), and the outline of the maze."""
     always("drive", rr.AnnotationContext([(0, "free", FREE_RGB), (1, "occupied", WALL_RGB)]))
     always("drive/map", Y_UP)
     pixels, pixel_frame = (maze.blocked, frame) if occupied is None or map_frame is None else (occupied, map_frame)
@@ -65,55 +51,36 @@ def write_floor(always: Always, maze: Maze, frame: GridFrame, occupied: Any, map
     always("drive/map/floor", image_transform(pixel_frame), floor)
     edges = rr.LineStrips2D(wall_edges(maze.blocked, frame), colors=[(120, 150, 190, 120)], radii=0.012, draw_order=1)
     always("drive/map/cells", edges)
-    always(
-        "drive/map/goals",
-        rr.Points2D(goal_points(maze, frame), colors=palette.goal_colours(len(maze.goals)), radii=0.12, draw_order=20),
-    )
+
+
+def write_goals(always: Always, goals: GoalList) -> None:
+    """Write the named goals; once more when one was added."""
+    places = goals.positions()
+    dots = rr.Points2D(places, colors=palette.goal_colours(len(goals)), radii=0.12, draw_order=20)
     # A label has the colour of its point: white ones are read on every goal.
     names = rr.Points2D(
-        goal_points(maze, frame),
-        labels=maze.goal_names,
-        show_labels=True,
-        colors=[(255, 255, 255)],
-        radii=0.03,
-        draw_order=21,
+        places, labels=goals.names, show_labels=True, colors=[(255, 255, 255)], radii=0.03, draw_order=21
     )
+    always("drive/map/goals", dots)
     always("drive/map/goals/names", names)
+    always("state/goal", rr.StateConfiguration(values=goals.names, colors=palette.goal_colours(len(goals))))
 
 
-def write_q_scenery(always: Always, maze: Maze, frame: GridFrame) -> None:
-    """Write frame, goal and looks of every Q picture (`q/goal_00` ... and `q/chosen`)."""
-    points = goal_points(maze, frame)
-    value = rr.DepthImage.from_fields(
-        format=rr.components.ImageFormat(width=maze.cols, height=maze.rows, channel_datatype="F16"),
-        colormap="inferno",
-        depth_range=Q_RANGE,
-        draw_order=-5.0,
-    )
-    policy = rr.Arrows2D.from_fields(colors=[255, 255, 255, 190], radii=0.025, draw_order=5.0)
-    for index, entity in enumerate([*(goal_entity(i) for i in range(len(maze.goals))), "q/chosen/map"]):
-        always(entity, Y_UP)
-        always(f"{entity}/value", image_transform(frame), value)
-        always(f"{entity}/policy", policy)
-        if index < len(maze.goals):
-            colour = palette.goal_colours(len(maze.goals))[index : index + 1]
-            always(f"{entity}/goal", rr.Points2D(points[index : index + 1], radii=0.3, colors=colour, draw_order=9))
-    always("q/chosen/map/goal", rr.Points2D.from_fields(radii=0.3, colors=[255, 255, 255], draw_order=9.0))
+def write_looks(always: Always, names: list[str]) -> None:
+    """Write colours, widths and drawing order of everything that moves.
 
-
-def write_looks(always: Always, maze: Maze) -> None:
-    """Write colours, widths and drawing order of everything that moves."""
+    Args:
+        always: Writes.
+        names: Goals that the run begins with.
+    """
     for entity, looks in _LOOKS.items():
         always(entity, looks)
     always("camera", rr.Pinhole(focal_length=42.0, resolution=[84, 84]))
     levels = [(i, f"cost {i / (palette.COST_LEVELS - 1):.2f}", c) for i, c in enumerate(palette.cost_level_colours())]
     always("drive/map/dwa/cost", rr.AnnotationContext(levels))
-    goals = palette.goal_colours(len(maze.goals))
-    names = maze.goal_names
-    lines = rr.SeriesLines(names=names, colors=goals, widths=[1.6] * len(names))
+    lines = rr.SeriesLines(names=names, colors=palette.goal_colours(len(names)), widths=[1.6] * len(names))
     always("learning/td_error", lines)
     always("metrics/td_error", lines)
-    always("state/goal", rr.StateConfiguration(values=names, colors=goals))
     outcomes, causes = palette.OUTCOME_COLOURS, palette.CAUSE_COLOURS
     always("state/outcome", rr.StateConfiguration(values=list(outcomes), colors=packed(list(outcomes.values()))))
     always("state/why", rr.StateConfiguration(values=list(causes), colors=packed(list(causes.values()))))
@@ -167,5 +134,9 @@ _LOOKS: dict[str, Any] = {
     "learning/steps": rr.SeriesLines(
         names=["taken", "shortest"], colors=packed([palette.GOAL_COLOURS[0], palette.SHORTEST_COLOUR]), widths=[1.6] * 2
     ),
+    "learning/round": rr.SeriesLines(
+        names=["taken", "shortest"], colors=packed([palette.GOAL_COLOURS[0], palette.SHORTEST_COLOUR]), widths=[2.0] * 2
+    ),
+    "learning/chosen": rr.SeriesPoints(names="chosen", markers="diamond", marker_sizes=6.0),
     "learning/reached": _line("share that reached the goal", palette.OUTCOME_COLOURS["reached"]),
 }

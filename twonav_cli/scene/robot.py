@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from twonav_cli.config import BASES
 from twonav_cli.errors import unknown_name
 from twonav_cli.paths import scenes_dir
 from twonav_cli.scene.engine import mujoco
 
-BASES = ("omni", "differential")
 PREFIX = "twonav-"
 """Mark of everything that belongs to the robot in a model that holds scene and robot."""
 

@@ -6,7 +6,8 @@ from twonav_cli.errors import TwonavError
 from twonav_cli.events import Clock, Sink
 from twonav_cli.grid import Cell
 from twonav_cli.maze import Maze
-from twonav_cli.stages.stage import BLOCKED, REACHED, ActionResult, Observation
+from twonav_cli.navigation.outcomes import BLOCKED, REACHED
+from twonav_cli.stages.stage import ActionResult, Observation
 
 
 class MazeStage:

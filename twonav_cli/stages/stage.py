@@ -13,10 +13,6 @@ from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell
 from twonav_cli.maze import Maze
 
-REACHED = "reached"
-BLOCKED = "blocked"
-TIMED_OUT = "timed-out"
-
 
 @dataclass(frozen=True)
 class Observation:
@@ -34,7 +30,7 @@ class Observation:
 
 @dataclass(frozen=True)
 class ActionResult:
-    """How an action ended: `outcome` is REACHED, BLOCKED or TIMED_OUT as the stage noticed it."""
+    """How an action ended: `outcome` is one of `navigation.outcomes`, as the stage noticed it."""
 
     outcome: str
     observation: Observation

@@ -9,6 +9,17 @@ from typing import Annotated
 import typer
 
 from twonav_cli.errors import TwonavError
+from twonav_cli.terminal.train_options import (
+    DiscountOption,
+    ExplorationOption,
+    GoalSelectionOption,
+    InitialQOption,
+    LearnerOption,
+    PresetOption,
+    RandomMazeOption,
+    TemperatureOption,
+    WatchOption,
+)
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -64,7 +75,12 @@ def play(
 @app.command()
 def train(
     stage: Annotated[str, typer.Option("--stage", help="maze, localizer or 3d.")],
-    scene: SceneOption = "apartment",
+    scene: Annotated[
+        str | None,
+        typer.Option(
+            "--scene", help="Name of a scene (see `twonav scenes`) or path to an .xml.", show_default="apartment"
+        ),
+    ] = None,
     seed: SeedOption = 0,
     resume: Annotated[bool, typer.Option("--resume", help="Go on where the last run of this stage stopped.")] = False,
     out: Annotated[
@@ -78,13 +94,24 @@ def train(
     ] = None,
     base: BaseOption = "omni",
     json_: JsonOption = False,
+    watch: WatchOption = False,
+    learner: LearnerOption = None,
+    preset: PresetOption = None,
+    discount: DiscountOption = None,
+    temperature: TemperatureOption = None,
+    initial_q: InitialQOption = None,
+    goal_selection: GoalSelectionOption = None,
+    exploration: ExplorationOption = None,
+    random_maze: RandomMazeOption = None,
 ) -> None:
     """Train one stage: the maze agent, the localizer, or the agent in 3D with the localizer's poses."""
+    from twonav_cli.terminal.learning_choices import LearningChoices
     from twonav_cli.terminal.train import TrainRequest, run_train
 
+    choices = LearningChoices(learner, preset, discount, temperature, initial_q, goal_selection, exploration)
     request = TrainRequest(
         stage=stage, scene=scene, seed=seed, resume=resume, out=out, record=record, recording=not no_record,
-        quick=quick, images=images, base=base, as_json=json_,
+        quick=quick, images=images, base=base, as_json=json_, watch=watch, random_maze=random_maze, choices=choices,
     )  # fmt: skip
     raise typer.Exit(run_train(request))
 
@@ -109,6 +136,38 @@ def evaluate(
         checkpoints=checkpoints, as_json=json_,
     )  # fmt: skip
     raise typer.Exit(run_evaluate(request))
+
+
+@app.command()
+def reproduce(
+    table: Annotated[str, typer.Argument(help="table5, table6, table7, table8, fig8, sensitivity or all.")],
+    repeats: Annotated[
+        int | None,
+        typer.Option("--repeats", help="Runs of every method on every maze; default: 10, in the sensitivity sweep 3."),
+    ] = None,
+    seed: SeedOption = 0,
+    discount: Annotated[
+        float | None,
+        typer.Option("--discount", help="For every learner; default: 0.99 for the paper's, their own for the others."),
+    ] = None,
+    mazes: Annotated[int, typer.Option("--mazes", help="Random mazes (table5, table6, sensitivity).")] = 10,
+    scene: Annotated[str, typer.Option("--scene", help="Whose maze (table7, table8, fig8).")] = "apartment",
+    processes: Annotated[
+        int | None, typer.Option("--processes", help="Workers that share the runs; default: one for each processor.")
+    ] = None,
+    json_: JsonOption = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Folder for NAME.json and NAME.png; default: runs/reproduce.")
+    ] = None,
+) -> None:
+    """Make a table or figure of the paper again, and print it beside the paper's figures."""
+    from twonav_cli.terminal.reproduce import ReproduceRequest, run_reproduce
+
+    request = ReproduceRequest(
+        table=table, repeats=repeats, seed=seed, discount=discount, mazes=mazes, scene=scene, processes=processes,
+        as_json=json_, out=out,
+    )  # fmt: skip
+    raise typer.Exit(run_reproduce(request))
 
 
 @app.command()

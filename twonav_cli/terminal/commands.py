@@ -13,6 +13,15 @@ class GoTo:
 
 
 @dataclass(frozen=True)
+class AddGoal:
+    """Add a goal at a place in the map frame, or, without one, where the robot believes to be."""
+
+    name: str
+    x_m: float | None = None
+    y_m: float | None = None
+
+
+@dataclass(frozen=True)
 class Kidnap:
     """Carry the robot elsewhere without telling it."""
 
@@ -48,4 +57,4 @@ class Quit:
     """End the run."""
 
 
-Command = GoTo | Kidnap | Pause | SingleStep | Speed | Move | Quit
+Command = GoTo | AddGoal | Kidnap | Pause | SingleStep | Speed | Move | Quit

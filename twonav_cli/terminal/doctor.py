@@ -100,8 +100,10 @@ def _checkpoints() -> dict[str, str]:
 
 
 def _warm_up() -> str:
+    from twonav_cli.learner.relabel import compile_now
     from twonav_cli.terminal.play import PlayRequest, run_play
 
+    compile_now()
     request = PlayRequest(goals=("kitchen",), recording=False, plain=True, quiet=True)
     try:
         return "done, the goal was reached" if run_play(request) == 0 else "done, the goal was not reached"

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 from rich.table import Table
 
-from twonav_cli.errors import TwonavError, unknown_name
 from twonav_cli.events import Clock, RunEnded, RunStarted
 from twonav_cli.mapping.floor import Floor, read_floor
+from twonav_cli.terminal.choices import check_choices
 from twonav_cli.terminal.console import progress
 from twonav_cli.terminal.interrupt import StopOnInterrupt
 
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from twonav_cli.experiments.evaluation import PairResult, PairTable
 
 STAGES = ("maze", "3d", "localizer")
-BASES = ("omni", "differential")
 
 
 @dataclass(frozen=True)
@@ -42,14 +41,7 @@ class EvaluateRequest:
 
 def run_evaluate(request: EvaluateRequest) -> int:
     """Measure and print; returns 0, or 130 when interrupted (what was measured is printed)."""
-    if request.stage == "2d":
-        raise TwonavError("the 2D simulator is not there yet: evaluate --stage maze, 3d or localizer")
-    if request.stage not in STAGES:
-        raise unknown_name("stage", request.stage, STAGES)
-    if request.base not in BASES:
-        raise unknown_name("base", request.base, BASES)
-    if request.localizer not in ("raw", "truth"):
-        raise unknown_name("localizer", request.localizer, ("raw", "truth"))
+    check_choices("evaluate", request.stage, STAGES, request.localizer, request.base)
     floor = read_floor(request.scene)
     if request.stage == "localizer":
         report = _localizer_report(request, floor)

@@ -9,10 +9,13 @@ from pathlib import Path
 from rich.table import Table
 
 from twonav_cli.recording.reader import Summary, TrialRow, how_to_seek, summarize
+from twonav_cli.recording.trained_goals import TrainedGoal, apart, plain
 from twonav_cli.terminal.console import out
 
 MAX_ROWS = 100
 MAX_FAILURES = 10
+MAX_ROWS_OF_TRAINING = 10
+"""Trials of a training run that are listed: its goals tell more."""
 
 
 def run_inspect(file: Path, as_json: bool) -> int:
@@ -33,18 +36,48 @@ def _print_summary(summary: Summary, file: Path) -> None:
     )
     if not summary.whole:
         console.print("the writer was interrupted: what follows is what it had written")
+    if summary.learning:
+        console.print(_goals_table(summary.learning))
+    shown = MAX_ROWS_OF_TRAINING if summary.learning else MAX_ROWS
     if summary.trials:
-        console.print(_trials_table(summary.trials[-MAX_ROWS:]))
-        if len(summary.trials) > MAX_ROWS:
-            console.print(f"(the last {MAX_ROWS} of {len(summary.trials)} trials)")
+        console.print(_trials_table(summary.trials[-shown:]))
+        if len(summary.trials) > shown:
+            console.print(f"(the last {shown} of {len(summary.trials)} recorded trials)")
     if summary.counts:
         console.print("outcomes: " + ", ".join(f"{name} {count}" for name, count in summary.counts.items()))
     for name, value in summary.metrics.items():
         console.print(f"{name}: {value:.4g}")
-    for row in summary.failures[-MAX_FAILURES:]:
+    compiled = [str(row.number) for row in summary.failures if row.sampled]
+    if compiled:
+        last = ", ".join(compiled[-MAX_FAILURES:])
+        console.print(f"trials that did not reach their goal, the last ones: {last}", soft_wrap=True)
+    for row in [row for row in summary.failures if not row.sampled][-MAX_FAILURES:]:
         console.print(f"what went wrong in trial {row.number}: {row.cause}. {row.evidence}", soft_wrap=True)
         console.print(f"  look at it: {how_to_seek(row, summary.kind)}", soft_wrap=True)
     console.print(f"open it:  rerun {file}", soft_wrap=True)
+
+
+def _goals_table(goals: tuple[TrainedGoal, ...]) -> Table:
+    """Return the goals in the order of training."""
+    table = Table(box=None, pad_edge=False)
+    because = "chosen because (TD errors: its own; the next largest)"
+    for heading in ("", "goal", "trials", "of them", "actions", "learned", because):
+        table.add_column(heading, justify="right" if heading in ("of them", "actions") else "left")
+    for rank, turn in enumerate(goals, start=1):
+        learned = "no" if turn.learned_at_trial is None else f"after action {turn.learned_at_step:,}"
+        trials = f"{turn.first_trial} to {turn.last_trial}" if turn.trials else "none"
+        table.add_row(str(rank), turn.goal, trials, str(turn.trials), f"{turn.actions:,}", learned, why_chosen(turn))
+    return table
+
+
+def why_chosen(turn: TrainedGoal) -> str:
+    """Return the rule's reason with the numbers behind it."""
+    if turn.td_error is None:
+        return turn.reason
+    if turn.rival_td_error is None:
+        return f"{turn.reason} ({plain(turn.td_error)})"
+    own, other = apart(turn.td_error, turn.rival_td_error)
+    return f"{turn.reason} ({own}; {turn.rival} {other})"
 
 
 def _trials_table(rows: tuple[TrialRow, ...]) -> Table:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from twonav_cli.errors import TwonavError, unknown_name
 from twonav_cli.events import Clock, Looked, RunEnded, RunStarted, Sink, to_all
 from twonav_cli.stages.maze_stage import MazeStage
+from twonav_cli.terminal.choices import check_choices
 from twonav_cli.terminal.commands import Command
 from twonav_cli.terminal.console import screen_possible
 
@@ -24,9 +25,7 @@ if TYPE_CHECKING:
     from twonav_cli.stages.sim3d_stage import Sim3dOptions
     from twonav_cli.stages.stage import Stage
 
-STAGES = ("maze", "2d", "3d")
-LOCALIZERS = ("raw", "truth")
-BASES = ("omni", "differential")
+STAGES = ("maze", "3d")
 
 
 @dataclass(frozen=True)
@@ -51,7 +50,7 @@ class PlayRequest:
 
 def run_play(request: PlayRequest) -> int:
     """Play; returns 0 when every goal was reached, else 1."""
-    check_names(request.stage, request.localizer, request.base)
+    check_choices("play", request.stage, STAGES, request.localizer, request.base)
     path = _recording_path(request) if request.recording else None
     if not request.plain and screen_possible():
         from twonav_cli.terminal.screen.play_screen import run_screen
@@ -68,23 +67,6 @@ def run_play(request: PlayRequest) -> int:
     if path is not None and path.exists():
         print(path, file=sys.stderr if request.quiet else sys.stdout)
     return code
-
-
-def check_names(stage: str, localizer: str, base: str) -> None:
-    """Refuse a stage, localizer or base that there is not.
-
-    Raises:
-        TwonavError: Names the right ones.
-    """
-    for kind, name, known in (
-        ("stage", stage, STAGES),
-        ("localizer", localizer, LOCALIZERS),
-        ("base", base, BASES),
-    ):
-        if name not in known:
-            raise unknown_name(kind, name, known)
-    if stage == "2d":
-        raise TwonavError("the 2D simulator is not there yet: play --stage maze or --stage 3d")
 
 
 def _play_plainly(request: PlayRequest, path: Path | None) -> int:

@@ -5,19 +5,22 @@ from __future__ import annotations
 import json
 import shlex
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from twonav_cli.errors import TwonavError, unknown_name
+from twonav_cli.errors import TwonavError
 from twonav_cli.paths import runs_dir
+from twonav_cli.terminal.choices import check_choices
+from twonav_cli.terminal.console import screen_possible
 from twonav_cli.terminal.interrupt import StopOnInterrupt
-from twonav_cli.terminal.play import BASES
+from twonav_cli.terminal.learning_choices import LearningChoices, option_of
 
 if TYPE_CHECKING:
-    from twonav_cli.mapping.floor import Floor
+    from twonav_cli.terminal.learning_place import LearningPlace
 
 STAGES = ("maze", "localizer", "3d")
+USUAL_SCENE = "apartment"
 
 
 @dataclass(frozen=True)
@@ -25,7 +28,7 @@ class TrainRequest:
     """Everything the command line says about a training run."""
 
     stage: str
-    scene: str = "apartment"
+    scene: str | None = None
     seed: int = 0
     resume: bool = False
     out: Path | None = None
@@ -35,14 +38,24 @@ class TrainRequest:
     images: int | None = None
     base: str = "omni"
     as_json: bool = False
+    watch: bool = False
+    random_maze: int | None = None
+    choices: LearningChoices = field(default_factory=LearningChoices)
+
+    @property
+    def scene_name(self) -> str:
+        """The scene that was named, or the usual one."""
+        return self.scene or USUAL_SCENE
 
     def command(self) -> str:
         """Return the command that repeats this run."""
-        parts = ["twonav train", "--stage", self.stage, "--scene", self.scene, "--seed", str(self.seed)]
+        where = ["--scene", self.scene_name] if self.random_maze is None else ["--random-maze", str(self.random_maze)]
+        parts = ["twonav", "train", "--stage", self.stage, *where, "--seed", str(self.seed)]
         if self.images is not None:
             parts += ["--images", str(self.images)]
         if self.stage == "3d":
             parts += ["--base", self.base]
+        parts += self.choices.arguments()
         return shlex.join(parts + (["--quick"] if self.quick else []))
 
     def resume_command(self) -> str:
@@ -51,36 +64,69 @@ class TrainRequest:
         parts += ["--out", shlex.quote(str(self.out))] if self.out is not None else []
         return " ".join(parts + ([] if self.recording else ["--no-record"]))
 
+    def check(self) -> None:
+        """Refuse what cannot be, before anything is read.
+
+        Raises:
+            TwonavError: Says what to leave out or to name instead.
+        """
+        check_choices("train", self.stage, STAGES, base=self.base)
+        asked = [option_of(name) for name in self.choices.given()]
+        asked += ["--random-maze"] * (self.random_maze is not None) + ["--watch"] * self.watch
+        if asked and self.stage != "maze":
+            raise TwonavError(f"{asked[0]} is for --stage maze only: leave it out, or train the maze")
+        if self.random_maze is not None and self.scene is not None:
+            raise TwonavError("a random maze has no scene: leave --scene or --random-maze out")
+        if self.watch and not screen_possible():
+            raise TwonavError(
+                "--watch needs a terminal that can move its cursor: leave it out to train without watching"
+            )
+        self.choices.config()
+
 
 def run_train(request: TrainRequest) -> int:
-    """Train a stage; returns 0 when it finished, 130 when it was interrupted and saved, 1 when it did not learn."""
-    if request.stage == "2d":
-        raise TwonavError("the 2D simulator is not there yet: train --stage maze, localizer or 3d")
-    if request.stage not in STAGES:
-        raise unknown_name("stage", request.stage, STAGES)
-    if request.base not in BASES:
-        raise unknown_name("base", request.base, BASES)
-    from twonav_cli.mapping.floor import read_floor
+    """Train a stage; returns 0 when it finished, 130 when it was interrupted and saved, 1 when it did not learn.
 
-    floor = read_floor(request.scene)
-    name = f"{request.stage}-quick" if request.quick else request.stage
-    folder = request.out or runs_dir() / floor.scene.name / name
+    Raises:
+        TwonavError: What is asked for cannot be, or something that it needs is missing or damaged.
+    """
+    request.check()
     with StopOnInterrupt() as stop:
-        if request.stage == "localizer":
-            from twonav_cli.terminal.train_localizer import train_localizer
-
-            outcome, metrics = train_localizer(request, floor, folder, stop)
-        else:
-            from twonav_cli.terminal.train_agent import train_agent
-
-            outcome, metrics = train_agent(request, floor, folder, stop)
+        folder, outcome, metrics = _trained(request, stop)
     _report(request, folder, outcome, metrics)
     return {"learned": 0, "quick": 0, "stopped": 130}.get(outcome, 1)
 
 
+def _trained(request: TrainRequest, stop: StopOnInterrupt) -> tuple[Path, str, dict[str, Any]]:
+    """Train what was asked for; return the checkpoint's folder, the outcome, and the metrics of the card."""
+    from twonav_cli.terminal.learning_place import place_of_floor, place_of_random_maze
+
+    name = f"{request.stage}-quick" if request.quick else request.stage
+    if request.random_maze is not None:
+        place = place_of_random_maze(request.seed, request.random_maze)
+    else:
+        from twonav_cli.mapping.floor import read_floor
+
+        floor = read_floor(request.scene_name)
+        place = place_of_floor(floor)
+    folder = request.out or runs_dir() / place.name / name
+    if request.stage == "maze":
+        from twonav_cli.terminal.train_maze import train_maze
+
+        return folder, *train_maze(request, place, folder, stop)
+    if request.stage == "localizer":
+        from twonav_cli.terminal.train_localizer import train_localizer
+
+        return folder, *train_localizer(request, floor, folder, stop)
+    from twonav_cli.terminal.train_3d import train_3d
+
+    return folder, *train_3d(request, floor, folder, stop)
+
+
 def _report(request: TrainRequest, folder: Path, outcome: str, metrics: dict[str, Any]) -> None:
     if request.as_json:
-        print(json.dumps({"stage": request.stage, "scene": request.scene, "outcome": outcome, **metrics}))
+        place = request.scene_name if request.random_maze is None else f"random-{request.random_maze}"
+        print(json.dumps({"stage": request.stage, "scene": place, "outcome": outcome, **metrics}))
     else:
         for name, value in metrics.items():
             print(f"{name}: {value}", file=sys.stderr)
@@ -94,14 +140,16 @@ def _report(request: TrainRequest, folder: Path, outcome: str, metrics: dict[str
         print(f"done: {folder}", file=sys.stderr)
 
 
-def card_of(request: TrainRequest, floor: Floor, metrics: dict[str, Any]) -> dict[str, Any]:
-    """Return what every checkpoint's card says about its origin."""
+def card_of(request: TrainRequest, place: LearningPlace, metrics: dict[str, Any]) -> dict[str, Any]:
+    """Return what every agent's card says about its origin; that of a random maze names the maze."""
+    origin = {} if request.random_maze is None else {"random_maze": request.random_maze}
     return {
-        "scene": floor.scene.name,
-        "scene_digest": floor.scene.digest,
-        "map_digest": floor.map.digest,
+        "scene": place.name,
+        "scene_digest": place.scene_digest,
+        "map_digest": place.map_digest,
         "stage": request.stage,
         "command": request.command(),
         "seed": request.seed,
         "metrics": metrics,
+        **origin,
     }

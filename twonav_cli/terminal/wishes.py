@@ -6,7 +6,8 @@ import queue
 import threading
 from collections import deque
 
-from twonav_cli.terminal.commands import Command, GoTo, Kidnap, Move, Pause, Quit, SingleStep, Speed
+from twonav_cli.experiments.new_goal import GoalWish
+from twonav_cli.terminal.commands import AddGoal, Command, GoTo, Kidnap, Move, Pause, Quit, SingleStep, Speed
 
 _POLL_S = 0.05
 
@@ -19,6 +20,7 @@ class QueuedWishes:
         self._stop = stop
         self._speed = speed
         self._goals: deque[str] = deque()
+        self._new_goals: deque[GoalWish] = deque()
         self._moves: deque[int] = deque()
         self._kidnap = False
         self._paused = False
@@ -27,9 +29,15 @@ class QueuedWishes:
     def next_goal(self, wait: bool) -> str | None:
         """Return the next goal that was asked for; with `wait`, block until the player wants anything or leaves."""
         self._read()
-        while wait and not (self._goals or self._kidnap or self._moves or self.left()):
+        while wait and not (self._goals or self._new_goals or self._kidnap or self._moves or self.left()):
             self._read(timeout_s=_POLL_S)
-        return self._goals.popleft() if self._goals else None
+        # The goal that is asked for may be the one that is still to be added.
+        return self._goals.popleft() if self._goals and not self._new_goals else None
+
+    def take_new_goal(self) -> GoalWish | None:
+        """Return the next goal that is to be added, once."""
+        self._read()
+        return self._new_goals.popleft() if self._new_goals else None
 
     def take_kidnap(self) -> bool:
         """Return whether a kidnap was asked for, once."""
@@ -42,11 +50,14 @@ class QueuedWishes:
         return self._moves.popleft() if self._moves else None
 
     def wait_for_permission(self) -> None:
-        """Block while paused, unless a single step, a move or a kidnap was asked for."""
+        """Block while paused, unless a single step, a move or a kidnap was asked for, or a goal is to be added."""
         self._read()
-        while self._paused and not (self._single_steps or self._moves or self._kidnap or self._goals or self.left()):
+        while self._paused and not (
+            self._single_steps or self._moves or self._kidnap or self._goals or self._new_goals or self.left()
+        ):
             self._read(timeout_s=_POLL_S)
-        self._single_steps = max(self._single_steps - 1, 0)
+        if not self._new_goals:  # a goal is added between two steps and takes none
+            self._single_steps = max(self._single_steps - 1, 0)
 
     def pace(self) -> float:
         """Return simulated seconds per second of watching."""
@@ -71,6 +82,8 @@ class QueuedWishes:
         match command:
             case GoTo(goal):
                 self._goals.append(goal)
+            case AddGoal(name, x_m, y_m):
+                self._new_goals.append(GoalWish(name, None if x_m is None or y_m is None else (x_m, y_m)))
             case Kidnap():
                 self._kidnap = True
             case Pause(on):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from fake_game import FakeGame
 
-from twonav_cli.events import Clock, Kidnapped, Note, QSnapshot, StepTaken, TrialEnded
+from twonav_cli.events import Clock, GoalAdded, Kidnapped, Note, QSnapshot, StepTaken, TrialEnded
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell
 from twonav_cli.terminal.screen.game import (
@@ -107,3 +107,19 @@ def test_speeds_double_and_stop_at_the_ends() -> None:
     assert faster(64.0, 1) == 64.0
     assert faster(0.125, -1) == 0.125
     assert faster(0.0, -1) == 64.0
+
+
+def test_a_goal_that_is_added_is_listed_and_its_arrows_follow_the_steps_at_once(game: FakeGame) -> None:
+    before = after([*game.began()])
+    state = advance(before, GoalAdded(game.clock, "plant", Cell(4, 20)))
+    assert state.goal_names == [*before.goal_names, "plant"]
+    assert state.greedy is not None
+    assert (state.greedy[10] == NO_ARROW).all()
+    step = StepTaken(
+        Clock(1, 1), "plant", Cell(4, 18), 3, Cell(4, 19), "reached", np.array([1.0, 2, 3, 9]), np.arange(11.0), True
+    )
+    later = advance(state, step)
+    assert later.greedy is not None
+    assert later.greedy[10, 4, 18] == 3
+    assert later.td_error == 10.0
+    assert len(before.goal_names) == 10

@@ -18,7 +18,7 @@ from textual.pilot import Pilot
 from textual.widgets import Input, Static
 
 from twonav_cli.errors import TwonavError
-from twonav_cli.terminal.commands import GoTo, Kidnap, Quit
+from twonav_cli.terminal.commands import AddGoal, GoTo, Kidnap, Quit
 from twonav_cli.terminal.screen.layout import layout
 from twonav_cli.terminal.screen.play_screen import PlayScreen
 from twonav_cli.terminal.screen.simulation_thread import SimulationThread
@@ -82,6 +82,33 @@ def test_a_wrong_goal_is_answered_in_one_line() -> None:
         assert "did you mean 'kitchen'" in shown(app, "hint")
 
     assert on_screen(body).asked == []
+
+
+def test_a_goal_is_added_drawn_listed_and_driven_to() -> None:
+    async def body(app: PlayScreen, game: FakeGame, pilot: Pilot[None]) -> None:
+        await pilot.press("g", *"goal add plant 0.2 7.4", "enter")
+        await until(lambda: "plant" in app.state.goal_names, pilot)
+        await pilot.pause(0.2)
+        assert "plant: learned in" in shown(app, "hint")
+        assert "plant" in shown(app, "goals")
+        await pilot.press("g", *"pla", "enter")
+        await until(lambda: app.state.last_trial is not None, pilot)
+        await pilot.pause(0.2)
+        assert "plant in " in shown(app, "status")
+        drawn = "".join(app.query_one("#plan").render_line(row).text for row in range(30))
+        assert "plant" in drawn
+
+    game = on_screen(body, size=(140, 40))
+    assert [c for c in game.asked if not isinstance(c, Quit)] == [AddGoal("plant", 0.2, 7.4), GoTo("plant")]
+
+
+def test_scripted_keys_add_a_goal_and_drive_there_without_waiting_for_it() -> None:
+    async def body(app: PlayScreen, game: FakeGame, pilot: Pilot[None]) -> None:
+        await until(lambda: any(isinstance(c, Quit) for c in game.asked), pilot)
+        assert app.state.outcomes == {"reached": 1}
+
+    keys = "g goal<space>add<space>plant<space>0.2<space>7.4<enter> g plant<enter> <wait> q"
+    assert on_screen(body, keys=keys).asked == [AddGoal("plant", 0.2, 7.4), GoTo("plant"), Quit()]
 
 
 def test_tab_enlarges_one_panel_after_another_and_comes_back() -> None:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from twonav_cli.events import (
     Clock,
     Event,
+    GoalAdded,
     GoalChosen,
     GoalLearned,
     Kidnapped,
@@ -269,6 +270,20 @@ def _goal_learned(state: GameState, event: GoalLearned) -> GameState:
     return _logged(replace(state, learned=state.learned | {event.goal}), "INFO", f"{event.goal} is learned")
 
 
+def _goal_added(state: GameState, event: GoalAdded) -> GameState:
+    """Give the maze its goal, and the arrows and values one more that says nothing yet."""
+    if state.run is None or state.run.maze is None:
+        return state
+    maze = state.run.maze.with_goal(event.name, event.cell)
+    unknown = np.full((1, maze.rows, maze.cols), NO_ARROW, dtype=np.int8)
+    return replace(
+        state,
+        run=replace(state.run, maze=maze),
+        greedy=np.concatenate((state.greedy, unknown)) if state.greedy is not None else None,
+        values=np.concatenate((state.values, np.full(unknown.shape, np.nan))) if state.values is not None else None,
+    )
+
+
 def _kidnapped(state: GameState, event: Kidnapped) -> GameState:
     after = event.pose_after
     moved = replace(state, pose_true=after, trail=((after.x_m, after.y_m),), kidnaps=state.kidnaps + 1)
@@ -294,6 +309,7 @@ RULES: dict[type[Event], Callable[[GameState, Any], GameState]] = {
     TrialEnded: _trial_ended,
     QSnapshot: _q_snapshot,
     GoalLearned: _goal_learned,
+    GoalAdded: _goal_added,
     Kidnapped: _kidnapped,
     Note: _note,
     RunEnded: _run_ended,

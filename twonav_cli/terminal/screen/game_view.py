@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from textwrap import wrap
 
 import numpy as np
 from rich.text import Text
@@ -159,10 +160,14 @@ def _goal(state: GameState, at: int, name: str, width: int, wide: bool) -> Text:
 
 
 def log_text(state: GameState, cols: int, rows: int) -> Text:
-    """Return the last lines of the log, each cut to the width; warnings stand out."""
+    """Return the last lines of the log, each wrapped to the width; warnings stand out."""
     colours = {"WARN": ALARM, "ERROR": f"bold {ALARM}"}
-    lines = [Text(line.text[:cols], style=colours.get(line.level, "")) for line in state.log[-rows:]]
-    return Text("\n").join(lines)
+    lines = [
+        Text(part, style=colours.get(line.level, ""))
+        for line in state.log[-rows:]
+        for part in wrap(line.text, max(cols, 1), subsequent_indent=" " if cols > 1 else "")
+    ]
+    return Text("\n").join(lines[-rows:])
 
 
 def status_text(state: GameState, controls: Controls, title: str, cols: int) -> Text:

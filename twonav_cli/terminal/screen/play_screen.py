@@ -16,8 +16,8 @@ from textual.suggester import SuggestFromList
 from textual.widgets import Input, Static
 
 from twonav_cli.errors import TwonavError
-from twonav_cli.events import RunStarted
-from twonav_cli.terminal.commands import Quit
+from twonav_cli.events import Event, GoalAdded, Note, RunStarted
+from twonav_cli.terminal.commands import AddGoal, Quit
 from twonav_cli.terminal.console import colour_refused
 from twonav_cli.terminal.screen import game_view
 from twonav_cli.terminal.screen.floor_plan import Plan
@@ -49,6 +49,8 @@ q, ctrl-c    leave
 
 prompt       GOAL  goals  kidnap  pause  resume  step  speed 2
              up  down  left  right  quit  help
+             goal add NAME X Y: a new goal at x, y in metres, learned
+             at once from what the robot remembers; without X Y: here
 plan         cyan: the robot; magenta: where it believes to be;
              arrows: best action, yellow near the goal, blue far from it
 values       ◀ the best action; bold: the one that was taken"""
@@ -105,6 +107,8 @@ class PlayScreen(App[None], inherit_bindings=False):
         self._plan: Plan | None = None
         self._alone = ""
         self._notice: tuple[str, bool, float] = ("", False, 0.0)
+        self._new_goals: list[str] = []
+        """Names of goals that the simulation was asked to add, so that they can be asked for at once."""
         self._stale = True
         self._trials_seen = 0
 
@@ -158,13 +162,7 @@ class PlayScreen(App[None], inherit_bindings=False):
         events = self._simulation.feed.take()
         for event in events:
             self.state = advance(self.state, event)
-            if isinstance(event, RunStarted):
-                self._plan = game_view.plan_of_game(self.state)
-                names = self.state.goal_names
-                self.query_one("#prompt", Input).suggester = SuggestFromList(
-                    [*names, *VOCABULARY], case_sensitive=False
-                )
-                self._share_space()
+            self._take_over(event)
         if self._simulation.finished and (self._simulation.error is not None or not self._stay):
             self.exit()
         text, _, until = self._notice
@@ -173,6 +171,21 @@ class PlayScreen(App[None], inherit_bindings=False):
             self._stale = True
         if events or self._stale:
             self._draw()
+
+    def _take_over(self, event: Event) -> None:
+        """Bring up to date what depends on more than the state: the plan, the prompt's suggestions, the notice."""
+        if isinstance(event, Note):
+            self._notify(event.text, bad=event.level != "INFO")
+        elif isinstance(event, RunStarted | GoalAdded):
+            self._plan = game_view.plan_of_game(self.state)
+            words = [*self.state.goal_names, *VOCABULARY]
+            self.query_one("#prompt", Input).suggester = SuggestFromList(words, case_sensitive=False)
+            self._share_space()
+
+    def _notify(self, text: str, bad: bool = False) -> None:
+        """Show a sentence in the place of the hints for a while."""
+        self._notice = (text, bad, time.monotonic() + NOTICE_S)
+        self._stale = True
 
     def _draw(self) -> None:
         self._stale = False
@@ -226,6 +239,8 @@ class PlayScreen(App[None], inherit_bindings=False):
             self._simulation.commands.put(command)
             if isinstance(command, Quit):
                 self.exit()
+            elif isinstance(command, AddGoal):
+                self._new_goals.append(command.name)
         if pressed.opens == "help":
             self.query_one("#help").display = True
         elif pressed.opens == "prompt":
@@ -245,18 +260,16 @@ class PlayScreen(App[None], inherit_bindings=False):
         self._close_prompt()
         goals = self.state.goal_names
         try:
-            asked = read_prompt(event.value, goals)
+            asked = read_prompt(event.value, goals, self._new_goals)
         except TwonavError as error:
-            self._notice = (str(error), True, time.monotonic() + NOTICE_S)
-            self._stale = True
+            self._notify(str(error), bad=True)
             return
         if not isinstance(asked, Answer):
             self._apply(after_commands(self.controls, asked))
         elif asked.topic == "help":
             self._apply(Pressed(self.controls, opens="help"))
         elif asked.topic == "goals":
-            self._notice = ("goals: " + ", ".join(goals), False, time.monotonic() + NOTICE_S)
-            self._stale = True
+            self._notify("goals: " + ", ".join(goals))
 
     def action_cycle(self, places: int) -> None:
         """Enlarge the next panel; in the prompt, take what it suggests."""
@@ -288,6 +301,17 @@ class PlayScreen(App[None], inherit_bindings=False):
             await asyncio.sleep(KEY_GAP_S)
             character = {"space": " "}.get(key.key, key.key if len(key.key) == 1 else None)
             self.post_message(Key(key.key, character))
+            await self._settled()
+
+    async def _settled(self) -> None:
+        """Wait until a key and what follows from it is done: it goes to the prompt, and from there back to the app.
+
+        While the simulation loads, the screen may come late; the next key would go where this one was still awaited.
+        """
+        for place in (self, self.query_one("#prompt"), self.screen, self):
+            done = asyncio.Event()
+            place.call_later(done.set)
+            await done.wait()
 
     async def _wait(self, seconds: float | None) -> None:
         """Wait some seconds, or until one more trial than at the last wait has ended."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from twonav_cli.errors import TwonavError, unknown_name
 from twonav_cli.maze import Action
-from twonav_cli.terminal.commands import Command, GoTo, Kidnap, Move, Pause, Quit, SingleStep, Speed
+from twonav_cli.terminal.commands import AddGoal, Command, GoTo, Kidnap, Move, Pause, Quit, SingleStep, Speed
 
 SLOWEST, FASTEST = 0.125, 64.0
 
@@ -27,7 +27,9 @@ WORDS: dict[str, Command] = {
 }
 """Commands of one word."""
 
-VOCABULARY = (*WORDS, "speed", "goals", "help")
+VOCABULARY = (*WORDS, "speed", "goals", "goal add", "help")
+
+GOING = ("go", "goto", "goal")
 
 
 @dataclass(frozen=True)
@@ -37,25 +39,30 @@ class Answer:
     topic: str
 
 
-def read_prompt(typed: str, goals: Sequence[str]) -> Command | Answer:
+def read_prompt(typed: str, goals: Sequence[str], new_goals: Sequence[str] = ()) -> Command | Answer:
     """Return what a line of the prompt asks for.
 
     Args:
-        typed: A goal's name (or its beginning), `go <goal>`, or a word of `VOCABULARY`; `speed` takes a factor.
+        typed: A goal's name (or its beginning), `go <goal>`, or a word of `VOCABULARY`; `speed` takes a factor, `goal
+            add` a name and a place in metres.
         goals: Names of the goals of this run.
+        new_goals: Names of goals that the run was asked to add; it knows whether it could.
 
     Raises:
         TwonavError: It is none of these; the message names the nearest one.
     """
     words = typed.strip().lower().split()
+    if words[:2] == ["goal", "add"]:
+        return _new_goal(typed.replace(",", " ").split()[2:], goals)
     if not words:
         return Answer("")
     if words[0] in ("help", "?", "goals") and len(words) == 1:
         return Answer("goals" if words[0] == "goals" else "help")
     if words[0] == "speed":
         return Speed(_factor(words[1:]))
+    goals = [*goals, *(name for name in new_goals if name not in goals)]
     goal = _goal_named(" ".join(words), goals)
-    if goal is None and words[0] in ("go", "goto", "goal"):
+    if goal is None and words[0] in GOING:
         wanted = " ".join(words[2:] if words[1:2] == ["to"] else words[1:])
         goal = _goal_named(wanted, goals)
         if goal is None:
@@ -65,6 +72,30 @@ def read_prompt(typed: str, goals: Sequence[str]) -> Command | Answer:
     if len(words) == 1 and words[0] in WORDS:
         return WORDS[words[0]]
     raise unknown_name("goal or command", typed.strip(), (*goals, *VOCABULARY))
+
+
+def _new_goal(words: Sequence[str], goals: Sequence[str]) -> AddGoal:
+    """Return the goal of `goal add <name>`, here, or `goal add <name> <x> <y>`."""
+    if len(words) not in (1, 3):
+        raise TwonavError(
+            "goal add takes a name and, unless it is here, x and y in metres: type `goal add plant 3.2 1.5`"
+        )
+    name = words[0]
+    if name.lower() in {word.split()[0] for word in (*VOCABULARY, *GOING)}:
+        raise TwonavError(f"{name!r} is a command: choose another name for the goal")
+    if _plain(name) in {_plain(goal) for goal in goals}:
+        raise TwonavError(f"there is a goal {name!r} already: choose another name")
+    return AddGoal(name, *(_metres(word) for word in words[1:]))
+
+
+def _metres(word: str) -> float:
+    try:
+        metres = float(word)
+    except ValueError:
+        metres = math.nan
+    if not math.isfinite(metres):
+        raise TwonavError(f"{word!r} is not a number of metres: type `goal add plant 3.2 1.5`")
+    return metres
 
 
 def _factor(words: Sequence[str]) -> float:

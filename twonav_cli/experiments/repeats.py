@@ -1,0 +1,191 @@
+"""Many learning runs, one after the other or on several processors; the same seed gives the same runs either way."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from twonav_cli.config import LearningConfig
+from twonav_cli.errors import TwonavError
+from twonav_cli.experiments.learning_run import LearningRun, never, run_learner
+from twonav_cli.maze import Maze
+from twonav_cli.rng import stream
+
+STEPS_AT_MOST = 5_000_000
+"""Actions after which a run gives up (ours): twenty times what the paper's single-goal learner takes on average."""
+
+CHUNKS_PER_PROCESSOR = 16
+"""So that the last chunk is short beside the whole, and handing one over costs little."""
+
+ITEMS_PER_CHUNK = 8
+"""At most, so that the progress bar moves."""
+
+POLL_S = 0.1
+"""How long a request to stop may go unseen."""
+
+
+class StoppedError(Exception):
+    """The runs were asked to stop before the last was done."""
+
+
+@dataclass(frozen=True)
+class Item:
+    """One learning run to make: what learns, where, and which repeat it is."""
+
+    config: LearningConfig
+    maze: int
+    """Number of the maze in the list that goes with the items."""
+    repeat: int
+
+    def seed(self, seed: int) -> int:
+        """Return the seed of this run.
+
+        It does not depend on the settings: learners are compared on the same random numbers, and the run can be made
+        again beside others.
+        """
+        return int(stream(seed, "repeat", self.maze, self.repeat).integers(2**31))
+
+
+def processors() -> int:
+    """Return how many processors this program may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def make_runs(
+    items: Sequence[Item],
+    mazes: Sequence[Maze],
+    seed: int,
+    processes: int = 1,
+    should_stop: Callable[[], bool] = never,
+    on_run: Callable[[LearningRun], None] = lambda run: None,
+    steps_at_most: int = STEPS_AT_MOST,
+) -> list[LearningRun]:
+    """Make every run and return them in the order of the items.
+
+    Args:
+        items: What to run.
+        mazes: The items' mazes.
+        seed: Each item draws from its own stream of it.
+        processes: More than 1 shares the runs among so many workers.
+        should_stop: Asked several times a second.
+        on_run: Called after each run, in the order in which they end.
+        steps_at_most: Actions after which a run gives up.
+
+    Raises:
+        StoppedError: `should_stop` said so.
+        TwonavError: A run cannot be made, or a worker was killed.
+    """
+    runs: dict[int, LearningRun] = {}
+
+    def keep(number: int, run: LearningRun) -> None:
+        if run.outcome == "stopped":
+            raise StoppedError
+        runs[number] = run
+        on_run(run)
+
+    # One run of each learner here first: what it compiles is on disk before several workers want it.
+    here = first_of_each_learner(items) if processes > 1 else range(len(items))
+    for number in here:
+        item = items[number]
+        keep(number, run_item(item, mazes[item.maze], seed, should_stop, steps_at_most))
+    left = [number for number in range(len(items)) if number not in runs]
+    if left:
+
+        def chunk_of(numbers: Sequence[int]) -> Chunk:
+            wanted = tuple(items[number] for number in numbers)
+            return Chunk(wanted, {item.maze: mazes[item.maze] for item in wanted}, seed, steps_at_most)
+
+        _make_in_workers(left, chunk_of, processes, should_stop, keep)
+    return [runs[number] for number in range(len(items))]
+
+
+def run_item(item: Item, maze: Maze, seed: int, should_stop: Callable[[], bool], steps_at_most: int) -> LearningRun:
+    """Make one run."""
+    return run_learner(maze, item.config, item.seed(seed), should_stop, steps_at_most)
+
+
+def first_of_each_learner(items: Sequence[Item]) -> list[int]:
+    """Return the number of the first item of every learner."""
+    first: dict[str, int] = {}
+    for number, item in enumerate(items):
+        first.setdefault(item.config.learner, number)
+    return list(first.values())
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Some runs that a worker makes at once, with everything it needs for them."""
+
+    items: tuple[Item, ...]
+    mazes: dict[int, Maze]
+    """Number to maze, only those of the items."""
+    seed: int
+    steps_at_most: int
+
+
+def run_chunk(chunk: Chunk) -> list[LearningRun]:
+    """Make the runs of a chunk."""
+    return [run_item(item, chunk.mazes[item.maze], chunk.seed, never, chunk.steps_at_most) for item in chunk.items]
+
+
+def _make_in_workers(
+    numbers: Sequence[int],
+    chunk_of: Callable[[Sequence[int]], Chunk],
+    processes: int,
+    should_stop: Callable[[], bool],
+    keep: Callable[[int, LearningRun], None],
+) -> None:
+    size = min(ITEMS_PER_CHUNK, max(1, len(numbers) // (processes * CHUNKS_PER_PROCESSOR)))
+    chunks = [numbers[first : first + size] for first in range(0, len(numbers), size)]
+    # Spawned, not forked: a fork copies the progress bar's lock, held or not, but not its thread.
+    context = multiprocessing.get_context("spawn")
+    # Ctrl-C reaches every program of the terminal: here it asks to stop, and the workers are told by the parent.
+    ignore = (signal.SIGINT, signal.SIG_IGN)
+    pool = ProcessPoolExecutor(min(processes, len(chunks)), context, signal.signal, ignore)
+    others = multiprocessing.active_children()
+    try:
+        with _interrupts_ignored():
+            futures = {pool.submit(run_chunk, chunk_of(chunk)): chunk for chunk in chunks}
+        for done in _as_they_end(set(futures), should_stop):
+            for number, run in zip(futures[done], done.result(), strict=True):
+                keep(number, run)
+    except BrokenProcessPool as error:
+        raise TwonavError("a worker ended unexpectedly (out of memory?): try again with --processes 1") from error
+    except BaseException:
+        # A worker keeps nothing, so what is under way can be broken off.
+        for worker in multiprocessing.active_children():
+            if worker not in others:
+                worker.terminate()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _as_they_end(
+    waiting: set[Future[list[LearningRun]]], should_stop: Callable[[], bool]
+) -> Iterator[Future[list[LearningRun]]]:
+    while waiting:
+        ended, waiting = wait(waiting, timeout=POLL_S, return_when=FIRST_COMPLETED)
+        if should_stop():
+            raise StoppedError
+        yield from ended
+
+
+@contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """Ignore Ctrl-C while workers are started: they inherit that, and it holds before their first line runs."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)

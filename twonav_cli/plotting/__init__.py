@@ -1,0 +1,1 @@
+"""Pictures of the tables and figures: the one place that imports matplotlib."""
