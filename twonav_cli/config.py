@@ -35,6 +35,7 @@ class LearningConfig:
     exploration: str = _setting("boltzmann", "boltzmann (Eq. 6) or epsilon-greedy (§4.3).")
     temperature: float = _setting(2.0, "Boltzmann temperature T at the start (§4.3).")
     temperature_decay: float = _setting(0.998, "Factor on T after each trial (§4.3).")
+    cooling: str = _setting("per-goal", "T cools per-goal, anew for each, or once, over all goals (ours).")
     epsilon: float = _setting(0.1, "Share of random actions of epsilon-greedy (§4.3.1).")
     replay_period_steps: int = _setting(500, "Actions between two sweeps of the replay buffer (ours).")
     replay_batch: int = _setting(32, "Mini-batch of a replay sweep (ours).")

@@ -229,3 +229,12 @@ def test_the_td_table_tells_what_was_never_tried_from_what_was_right(agent: Agen
     after = agent.td_table()
     assert np.array_equal(after[:, cell.row, cell.col, 1], errors)
     assert np.isnan(after).sum() == np.isnan(before).sum() - len(errors)
+
+
+def test_the_temperature_starts_anew_at_each_goal_unless_it_cools_once() -> None:
+    for cooling, learner, expected in (("per-goal", "multi", 2.0), ("once", "multi", 0.5), ("once", "single", 2.0)):
+        config = LearningConfig(cooling=cooling, learner=learner)
+        agent = Agent(np.ones((2, 2), dtype=np.bool_), {"g": Cell(0, 0)}, 1, config)
+        agent.temperature = 0.5
+        agent.begin_goal(0)
+        assert agent.temperature == expected

@@ -15,6 +15,9 @@ FloatArray = NDArray[np.float64]
 EXPLORATIONS = ("boltzmann", "epsilon-greedy")
 """Names of the exploration rules (§4.3)."""
 
+COOLINGS = ("per-goal", "once")
+"""What the temperature does when a goal is learned: it starts anew, or it goes on falling (ours)."""
+
 COLDEST = 1e-6
 """Temperature at which the decay ends (ours): the softmax is greedy long before, and at zero it would not exist."""
 

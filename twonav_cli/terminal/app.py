@@ -10,6 +10,7 @@ import typer
 
 from twonav_cli.errors import TwonavError
 from twonav_cli.terminal.train_options import (
+    CoolingOption,
     DiscountOption,
     ExplorationOption,
     GoalSelectionOption,
@@ -102,13 +103,14 @@ def train(
     initial_q: InitialQOption = None,
     goal_selection: GoalSelectionOption = None,
     exploration: ExplorationOption = None,
+    cooling: CoolingOption = None,
     random_maze: RandomMazeOption = None,
 ) -> None:
     """Train one stage: the maze agent, the localizer, or the agent in 3D with the localizer's poses."""
     from twonav_cli.terminal.learning_choices import LearningChoices
     from twonav_cli.terminal.train import TrainRequest, run_train
 
-    choices = LearningChoices(learner, preset, discount, temperature, initial_q, goal_selection, exploration)
+    choices = LearningChoices(learner, preset, discount, temperature, initial_q, goal_selection, exploration, cooling)
     request = TrainRequest(
         stage=stage, scene=scene, seed=seed, resume=resume, out=out, record=record, recording=not no_record,
         quick=quick, images=images, base=base, as_json=json_, watch=watch, random_maze=random_maze, choices=choices,
@@ -150,6 +152,9 @@ def reproduce(
         float | None,
         typer.Option("--discount", help="For every learner; default: 0.99 for the paper's, their own for the others."),
     ] = None,
+    cooling: Annotated[
+        str, typer.Option("--cooling", help="T cools per-goal, anew for each, or once, over all goals.")
+    ] = "per-goal",
     mazes: Annotated[int, typer.Option("--mazes", help="Random mazes (table5, table6, sensitivity).")] = 10,
     scene: Annotated[str, typer.Option("--scene", help="Whose maze (table7, table8, fig8).")] = "apartment",
     processes: Annotated[
@@ -165,7 +170,7 @@ def reproduce(
 
     request = ReproduceRequest(
         table=table, repeats=repeats, seed=seed, discount=discount, mazes=mazes, scene=scene, processes=processes,
-        as_json=json_, out=out,
+        as_json=json_, out=out, cooling=cooling,
     )  # fmt: skip
     raise typer.Exit(run_reproduce(request))
 

@@ -23,6 +23,7 @@ class LearningChoices:
     initial_q: float | None = None
     goal_selection: str | None = None
     exploration: str | None = None
+    cooling: str | None = None
 
     def given(self) -> dict[str, Any]:
         """Return what was said, by name."""

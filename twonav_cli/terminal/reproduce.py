@@ -36,11 +36,12 @@ class ReproduceRequest:
     processes: int | None = None
     as_json: bool = False
     out: Path | None = None
+    cooling: str = "per-goal"
 
     def table_request(self, table: str) -> TableRequest:
         """Return what is asked of one table."""
         repeats = default_repeats(table) if self.repeats is None else self.repeats
-        return TableRequest(table, repeats, self.seed, self.discount, self.mazes, self.scene)
+        return TableRequest(table, repeats, self.seed, self.discount, self.mazes, self.scene, self.cooling)
 
 
 def run_reproduce(request: ReproduceRequest) -> int:

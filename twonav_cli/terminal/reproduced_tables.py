@@ -23,6 +23,7 @@ SETTING_NAMES = {
     "trial_limit_steps": "trial limit",
     "replay_period_steps": "replay period",
     "goal_selection": "goals by",
+    "cooling": "T cools",
 }
 """Settings of the sentence below a table; the rest of them is in the JSON."""
 

@@ -42,6 +42,7 @@ GoalSelectionOption = Annotated[
 ExplorationOption = Annotated[
     str | None, typer.Option("--exploration", help=SENTENCES["exploration"], show_default=OF_PRESET)
 ]
+CoolingOption = Annotated[str | None, typer.Option("--cooling", help=SENTENCES["cooling"], show_default=OF_PRESET)]
 RandomMazeOption = Annotated[
     int | None,
     typer.Option(

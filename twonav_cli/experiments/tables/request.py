@@ -32,6 +32,7 @@ class TableRequest:
         repeats: Runs of every method on every maze.
         seed: Of the mazes and of everything random in the runs.
         discount: For every learner; None for each one's own.
+        cooling: For every learner: a name of COOLINGS.
         mazes: Random mazes (Tables 5 and 6, and the sweep).
         scene: Whose maze (Tables 7 and 8, and Fig. 8).
     """
@@ -42,6 +43,7 @@ class TableRequest:
     discount: float | None = None
     mazes: int = MAZES
     scene: str = SCENE
+    cooling: str = "per-goal"
 
     def check(self) -> None:
         """Make sure that the numbers can be worked with.
@@ -58,7 +60,7 @@ class TableRequest:
 
     def settings(self, learner: str, **changes: Any) -> LearningConfig:
         """Return the settings of a learner in this table: the paper's preset, with what was asked for over it."""
-        settings = learner_settings(learner, PAPER_PRESET, **changes)
+        settings = learner_settings(learner, PAPER_PRESET, **{"cooling": self.cooling, **changes})
         if self.discount is None or "discount" in changes:
             return settings
         return replace(settings, discount=self.discount)
@@ -82,4 +84,5 @@ class TableRequest:
         parts = ["twonav", "reproduce", self.table, "--repeats", str(self.repeats), "--seed", str(self.seed)]
         parts += ["--scene", self.scene] if on_scene else ["--mazes", str(self.mazes)]
         parts += [] if self.discount is None else ["--discount", str(self.discount)]
+        parts += [] if self.cooling == "per-goal" else ["--cooling", self.cooling]
         return shlex.join(parts)
