@@ -41,9 +41,9 @@ def test_the_interquartile_mean_is_scipys_trimmed_mean() -> None:
         assert interquartile_mean(values) == pytest.approx(trim_mean(values, 0.25))
 
 
-def test_one_run_is_its_own_interval_and_has_no_deviation() -> None:
+def test_one_run_has_neither_deviation_nor_interval() -> None:
     summary = summary_of([[42.0]], seed=0)
-    assert (summary.mean, summary.std, summary.iqm, summary.ci95) == (42.0, None, 42.0, (42.0, 42.0))
+    assert (summary.mean, summary.std, summary.iqm, summary.ci95) == (42.0, None, 42.0, (None, None))
 
 
 def test_the_deviation_is_that_of_a_sample() -> None:

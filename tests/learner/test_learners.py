@@ -1,6 +1,7 @@
 """Every learner learns the maze, under one criterion; the explorers beat the paper's."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -234,3 +235,87 @@ def test_changes_win_over_a_learners_settings_and_those_over_the_presets() -> No
     assert learner_settings("multi").discount == 0.99
     assert learner_settings("optimistic").discount == 0.95
     assert learner_settings("optimistic", discount=0.9).discount == 0.9
+
+
+def interrupted(maze: Maze, config: LearningConfig, folder: Path, every: int) -> Agent:
+    """Learn every goal, saved and loaded again every so many trials."""
+    agent, seed = Agent.for_maze(maze, config), 4
+    card = {"scene": "s", "scene_digest": "d", "map_digest": "m", "command": "c", "seed": seed, "metrics": {}}
+    while not agent.progress.learned.all():
+        assert agent.progress.step < 1_000_000
+        if agent.progress.goal < 0:
+            rng = stream(seed, "goals", int(agent.progress.learned.sum()))
+            agent.begin_goal(next_goal(config.goal_selection, agent.td_error_of_goals(), agent.progress.learned, rng))
+        loop = MazeLoop(agent, maze, seed, trials_per_call=every)
+        if loop.run()[1]:
+            agent.progress.finish_goal()
+        loop.close()
+        agent.save(folder, card)
+        agent = Agent.load(folder)
+    return agent
+
+
+@pytest.mark.parametrize("name", LEARNERS)
+@pytest.mark.parametrize("every", [1, 5])
+def test_a_run_that_is_saved_and_taken_up_again_goes_on_as_if_unbroken(name: str, every: int, tmp_path: Path) -> None:
+    maze = room()
+    config = learner_settings(name, consecutive_successes=3, replay_period_steps=23)
+    whole, _ = learned(maze, config, seed=4)
+    parts = interrupted(maze, config, tmp_path / "agent", every)
+    if name == "prioritized-sweeping":  # the queue is made anew, so only the outcome is the same
+        assert parts.progress.optimal_at > 0
+        return
+    assert np.array_equal(whole.q, parts.q)
+    assert np.array_equal(whole.td, parts.td)
+    assert whole.progress.step == parts.progress.step
+    assert whole.replay.counts == parts.replay.counts
+
+
+@pytest.mark.parametrize("name", LEARNERS)
+def test_a_goal_added_after_learning_is_confirmed_by_every_learner(name: str) -> None:
+    maze = room()
+    config = learner_settings(name, consecutive_successes=3)
+    agent, _ = learned(maze, config, seed=4)
+    agent.add_goal(Cell(4, 3), "late")
+    agent.begin_goal(3)
+    with pytest.raises(TwonavError, match="other goals"):
+        agent.check_fits(maze)
+    loop = MazeLoop(agent, maze.with_goal("late", Cell(4, 3)), 5)
+    rows, done = loop.run()
+    assert done
+    assert rows.reached.all()
+
+
+def test_a_loop_refuses_to_go_on_when_a_goal_was_added() -> None:
+    maze = room()
+    agent, _ = learned(maze, learner_settings("multi", consecutive_successes=3))
+    agent.progress.learned[0] = False
+    agent.begin_goal(0)
+    loop = MazeLoop(agent, maze, 0)
+    agent.add_goal(Cell(4, 3), "late")
+    with pytest.raises(TwonavError, match="a goal was added"):
+        loop.run()
+
+
+def test_what_the_single_goal_learner_experienced_stays_of_use_for_a_new_goal() -> None:
+    maze = room()
+    agent, steps = learned(maze, learner_settings("single", consecutive_successes=3))
+    assert len(agent.replay) < sum(steps)
+    assert len(agent.replay) + len(agent.earlier_here) == sum(steps)
+    assert agent.add_goal(Cell(4, 3)).remembered == sum(steps)
+
+
+def test_the_oracle_remembers_only_what_it_did() -> None:
+    maze = room()
+    agent, steps = learned(maze, learner_settings("oracle", consecutive_successes=3))
+    assert len(agent.replay) == sum(steps)
+
+
+def test_an_agent_fits_only_its_own_walls_and_its_goals_in_their_order() -> None:
+    maze = room()
+    agent = Agent.for_maze(maze, LearningConfig())
+    agent.check_fits(maze)
+    with pytest.raises(TwonavError, match="other goals"):
+        agent.check_fits(replace(maze, goals=dict(reversed(maze.goals.items()))))
+    with pytest.raises(TwonavError, match="other walls"):
+        agent.check_fits(replace(maze, blocked=np.zeros_like(maze.blocked)))

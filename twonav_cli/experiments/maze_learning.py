@@ -62,7 +62,7 @@ class MazeLearning:
             maze: The agent's.
             seed: Of a run that begins; one that goes on has its own.
             sink: Gets GoalChosen, TrialBatch, GoalLearned and QSnapshot.
-            steps_at_most: Actions after which the run gives up.
+            steps_at_most: Actions after which the run gives up, at the end of the batch then under way.
             trials_per_batch: Trials at one goal in a TrialBatch.
 
         Raises:
@@ -168,7 +168,7 @@ def learn_maze(
         seed: Of a run that begins; one that goes on has its own.
         sink: Gets GoalChosen, TrialBatch, GoalLearned and QSnapshot.
         should_stop: Asked every few hundred trials.
-        steps_at_most: Actions after which the run gives up.
+        steps_at_most: Actions after which the run gives up, at the end of the batch then under way.
 
     Raises:
         TwonavError: The agent does not fit the maze, or a goal cannot be reached.

@@ -34,7 +34,8 @@ class Summary:
         mean: Over all runs; None when one gave up, since a mean over the others would flatter.
         std: Sample standard deviation over all runs (n - 1); None for one run, or when one gave up.
         iqm: Interquartile mean (Agarwal et al. 2021); None when more than the trimmed quarter gave up.
-        ci95: Its bootstrap interval; an end is None where the resamples hold too many runs that gave up.
+        ci95: Its bootstrap interval; an end is None where the resamples hold too many runs that gave up, both are with
+            one run per maze.
         runs: Number of runs.
         gave_up: Runs without a figure.
     """
@@ -65,13 +66,12 @@ def bootstrap_interval(values: FloatArray, rng: np.random.Generator, resamples: 
     The mazes stay the same in every resample, so the interval is about these mazes and not about others.
 
     Args:
-        values: [M, n]; infinite where a run gave up.
+        values: [M, n]; infinite where a run gave up. One run per maze cannot vary: both ends are NaN.
         rng: Stream "bootstrap".
         resamples: B.
     """
     if values.shape[1] == 1:
-        only = interquartile_mean(values)
-        return only, only
+        return np.nan, np.nan
     mazes, repeats = values.shape
     per_block = max(1, BLOCK_VALUES // values.size)
     means = []

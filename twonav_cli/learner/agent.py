@@ -34,6 +34,10 @@ NAME_LETTERS = 40
 """Length of a new goal's name at most: it must fit where goals are listed (ours)."""
 
 
+LARGEST_Q = 1e6
+"""Size of the first Q value at which squared TD errors are still told apart from one another (ours)."""
+
+
 def checked(config: LearningConfig) -> LearningConfig:
     """Return the settings unchanged.
 
@@ -43,7 +47,7 @@ def checked(config: LearningConfig) -> LearningConfig:
     ranges = (
         ("learning_rate", 0 < config.learning_rate <= 1, "above 0 and at most 1"),
         ("discount", 0 <= config.discount < 1, "at least 0 and below 1"),
-        ("temperature", 0 < config.temperature < np.inf, "above 0"),
+        ("temperature", COLDEST <= config.temperature < np.inf, f"at least {COLDEST:g}"),
         ("temperature_decay", 0 < config.temperature_decay <= 1, "above 0 and at most 1"),
         ("epsilon", 0 <= config.epsilon <= 1, "between 0 and 1"),
         ("replay_period_steps", config.replay_period_steps >= 1, "at least 1"),
@@ -52,7 +56,7 @@ def checked(config: LearningConfig) -> LearningConfig:
         ("trial_limit_steps", config.trial_limit_steps >= 1, "at least 1"),
         ("consecutive_successes", config.consecutive_successes >= 1, "at least 1"),
         ("max_step_difference", config.max_step_difference > 0, "above 0"),
-        ("initial_q", bool(np.isfinite(config.initial_q)), "a finite number"),
+        ("initial_q", abs(config.initial_q) <= LARGEST_Q, f"between -{LARGEST_Q:g} and {LARGEST_Q:g}"),
         ("initial_td_error", 0 <= config.initial_td_error < np.inf, "at least 0"),
         ("rewards", bool(np.isfinite(list(asdict(config.rewards).values())).all()), "finite numbers"),
     )
@@ -81,8 +85,8 @@ class Agent:
         goal_names: [G].
         goal_cells: [G].
         temperature: Of Eq. 6, now.
-        replay: Every experience of this run.
-        earlier_here: Experience of earlier runs in this stage: only `add_goal` uses it, it is neither swept nor saved.
+        replay: Every experience of this run; of the single-goal learner, of the current goal.
+        earlier_here: Other experience in this stage: only `add_goal` uses it, it is neither swept nor saved.
         earlier_elsewhere: The same of the stage before; what was tried in this one counts instead of it.
         progress: Where a learning run stands.
     """
@@ -127,14 +131,18 @@ class Agent:
         """Make sure that the tables are those of a maze.
 
         Raises:
-            TwonavError: Another size, other goals, or another number of starts.
+            TwonavError: Other walls, other goals or another order of them, or another number of starts.
         """
         if self.free.shape != maze.blocked.shape:
             raise TwonavError(
                 f"the agent's table has {self.free.shape[0]} x {self.free.shape[1]} cells, the maze "
                 f"{maze.rows} x {maze.cols}: train an agent for this maze"
             )
-        if dict(zip(self.goal_names, self.goal_cells, strict=True)) != maze.goals:
+        if not np.array_equal(self.free, ~maze.blocked):
+            raise TwonavError(
+                "the agent was trained between other walls than the maze has: train an agent for this maze"
+            )
+        if list(zip(self.goal_names, self.goal_cells, strict=True)) != list(maze.goals.items()):
             raise TwonavError("the agent was trained for other goals than the maze has: train an agent for this maze")
         if len(self.progress.consecutive) != len(maze.starts):
             raise TwonavError("the agent was trained from another number of starts: train an agent for this maze")
@@ -215,7 +223,7 @@ class Agent:
         """Add a goal and learn its values from what was experienced, with no step in the environment (ours, after §2).
 
         Its values are those of `values_from_experience`; its TD errors are 0 where an action was tried. A `MazeLoop`
-        that was made before goes on with the tables as they were.
+        that was made before refuses to go on.
 
         Args:
             cell: A free cell; another goal may lie there too.
@@ -275,7 +283,7 @@ class Agent:
         self.temperature = max(self.temperature * self.config.temperature_decay, COLDEST)
 
     def save(self, folder: Path, card: dict[str, Any]) -> Path:
-        """Write the agent so that `load` goes on as if unbroken.
+        """Write the agent so that `load` goes on as if unbroken (prioritized sweeping: with a queue made anew).
 
         Args:
             folder: Where to.

@@ -36,6 +36,7 @@ from twonav_cli.learner.maze_kernel import (
 )
 from twonav_cli.learner.maze_trials import run_trials
 from twonav_cli.learner.nearest_untried import plan
+from twonav_cli.learner.prioritized_sweeping import queue_all
 from twonav_cli.learner.replay import Experience, Replay
 from twonav_cli.maze import OFFSETS, Maze
 
@@ -121,12 +122,12 @@ def rules_of(agent: Agent) -> Rules:
     )
 
 
-def replay_of(tables: Tables, ways: Ways, cols: int) -> Replay:
-    """Return the experiences that the loop counted as a replay buffer, for a maze of so many columns."""
-    cells, actions = np.nonzero(tables.counts)
+def replay_of(counts: IntArray, ways: Ways, cols: int) -> Replay:
+    """Return counted experiences [N, A] as a replay buffer, for a maze of so many columns."""
+    cells, actions = np.nonzero(counts)
     rows = zip(cells.tolist(), actions.tolist(), ways.next_cell[cells, actions].tolist(), strict=True)
     replay = Replay()
-    for (cell, action, onward), number in zip(rows, tables.counts[cells, actions].tolist(), strict=True):
+    for (cell, action, onward), number in zip(rows, counts[cells, actions].tolist(), strict=True):
         here, there = Cell(*divmod(cell, cols)), Cell(*divmod(onward, cols))
         replay.counts[Experience(here, action, there, onward == cell)] = number
     return replay
@@ -156,14 +157,16 @@ class MazeLoop:
         self.state: StateArray = np.array([progress.explore_state or first_state(seed)], dtype=np.uint64)
         self.at: IntArray = np.full(10, NOBODY, dtype=np.int64)
         self.at[EXPLORED] = int(self.rules.strategy != NEAREST)
-        self._goal_begun = progress.goal
+        self._goal_begun = (
+            progress.goal if progress.goal != NOBODY and progress.trials_of_goal[progress.goal] else NOBODY
+        )
+        self._put_away = np.zeros_like(self.tables.counts)
+        self._sum_td_errors()
         if agent.config.learner == "oracle" and progress.step == 0:
-            self._tell_everything()
-
-    def _tell_everything(self) -> None:
-        """Give the oracle the whole maze: every experience, and the values that follow from them."""
-        self.tables.counts[self.agent.free.reshape(-1)] = 1
-        plan(self.tables.q, self.tables.counts, self.ways, self.rules)
+            everything = np.repeat(agent.free.reshape(-1, 1), ACTIONS, axis=1).astype(np.int64)
+            plan(self.tables.q, everything, self.ways, self.rules)
+        elif self.rules.strategy == PRIORITIZED:
+            queue_all(self.tables, self.ways, self.rules, self.at)
 
     def run(self) -> tuple[Columns, bool]:
         """Run trials at the current goal of the agent's progress, and bring agent and progress up to date.
@@ -194,16 +197,16 @@ class MazeLoop:
 
     def visits(self) -> IntArray:
         """Return how often every action was taken in every cell [R, C, A]."""
-        return self.tables.counts.reshape(self.maze.rows, self.maze.cols, ACTIONS).copy()
+        return (self.tables.counts + self._put_away).reshape(self.maze.rows, self.maze.cols, ACTIONS)
 
     def _run(self, actions: int, trials: int) -> tuple[Columns, bool]:
         agent, progress, at = self.agent, self.agent.progress, self.at
         if progress.goal == NOBODY:
             raise TwonavError("no goal is chosen yet: choose one with `Agent.begin_goal`")
+        if len(agent.goal_names) != self.tables.q.shape[2]:
+            raise TwonavError("a goal was added to the agent: make a new MazeLoop, with a maze that has it too")
         if progress.goal != self._goal_begun:
             self._begin_goal()
-        # Summed anew at each call, so that the rounding of the running sum cannot build up.
-        self.tables.td_sum[:] = agent.td_error_of_goals() * self.rules.free_entries
         at[SINCE_SWEEP], at[SWEEPS], at[STEP] = agent.steps_since_sweep, agent.sweeps, progress.step
         at[OPTIMAL_AT] = progress.optimal_at
         if not self.in_trial:
@@ -235,11 +238,17 @@ class MazeLoop:
         td_errors = np.maximum(td_sums[:ended], 0.0) / self.rules.free_entries
         return Columns(start[:ended].copy(), steps[:ended].copy(), reached[:ended].copy(), td_errors)
 
+    def _sum_td_errors(self) -> None:
+        """Sum the TD errors anew, at each goal: so rounding cannot build up, and does not depend on the calls."""
+        self.tables.td_sum[:] = self.agent.td_error_of_goals() * self.rules.free_entries
+
     def _begin_goal(self) -> None:
         """Note a new goal; with one goal at a time, what was experienced for another one is put away."""
         self._goal_begun = self.agent.progress.goal
         self.at[TAKEN] = NOBODY
+        self._sum_td_errors()
         if self.rules.strategy == SINGLE:
+            self._put_away += self.tables.counts
             self.tables.counts[:] = 0
             self.agent.steps_since_sweep = 0
 
@@ -254,5 +263,8 @@ class MazeLoop:
         progress.steps_of_goal[progress.goal] += progress.step - steps_before
 
     def close(self) -> None:
-        """Hand the counted experiences back to the agent."""
-        self.agent.replay = replay_of(self.tables, self.ways, self.maze.cols)
+        """Hand the counted experiences back to the agent; what was put away stays of use for new goals."""
+        self.agent.replay = replay_of(self.tables.counts, self.ways, self.maze.cols)
+        for experience, number in replay_of(self._put_away, self.ways, self.maze.cols).counts.items():
+            self.agent.earlier_here.add(experience, number)
+        self._put_away[:] = 0

@@ -83,10 +83,13 @@ def walk(
 def explore(
     tables: Tables, ways: Ways, rules: Rules, goal: int, per_temperature: float, at: IntArray, state: StateArray
 ) -> None:
-    """Take one action of a learner that plans: choose it, learn from it, plan on what it showed."""
+    """Take one action of a learner that plans, or none: choose it, learn from it, plan on what it showed."""
     q, counts, cell = tables.q, tables.counts, at[CELL]
     if at[EXPLORED] == 0:
         action = action_toward_untried(counts, ways.next_cell, cell, state)
+        if action == NOBODY:  # a run that was taken up again after everything had been tried
+            at[EXPLORED] = 1
+            return
     elif rules.is_boltzmann:
         action = boltzmann(q, cell, goal, per_temperature, tables.noise, state)
     else:

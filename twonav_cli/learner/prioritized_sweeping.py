@@ -82,3 +82,22 @@ def sweep_by_priority(tables: Tables, ways: Ways, rules: Rules, at: IntArray, ce
         before = entry // ACTIONS
         queue_those_before(tables, ways, before, back_up(tables, ways, rules, before, entry % ACTIONS))
     note_if_optimal(tables.q, ways, at)
+
+
+@compiled
+def queue_all(tables: Tables, ways: Ways, rules: Rules, at: IntArray) -> None:
+    """Queue every remembered entry by how far it is from its target: a run that is taken up again lost its queue."""
+    q = tables.q
+    at[QUEUED] = 0
+    for entry in range(tables.priority.shape[0]):
+        cell, action = entry // ACTIONS, entry % ACTIONS
+        tables.priority[entry] = 0.0
+        if tables.counts[cell, action] == 0:
+            continue
+        row, next_cell = ways.reward_row[cell, action], ways.next_cell[cell, action]
+        for g in range(q.shape[2]):
+            target = ways.reward[row, g] + ways.discount[next_cell, g] * value_of(q, next_cell, g)
+            away = abs(target - q[cell, action, g])
+            if away > WORTH_A_BACKUP:
+                tables.priority[entry] = max(tables.priority[entry], away)
+                at[QUEUED] = 1
