@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -97,3 +99,18 @@ def test_a_goal_more_is_the_last_one_and_leaves_the_maze_before_as_it_was(maze: 
 def test_a_goal_more_needs_a_name_of_its_own_and_a_free_cell(maze: Maze, name: str, cell: Cell, why: str) -> None:
     with pytest.raises(TwonavError, match=why):
         maze.with_goal(name, cell)
+
+
+def test_plain_pairs_become_cells_and_keep_their_order() -> None:
+    pairs: Any = {"g": (2, 2), "b": [0, 1], "a": np.array([2, 0])}
+    plain = Maze(BLOCKED, pairs, {"s": (0, 0)})  # type: ignore[dict-item]  # what a user writes
+    assert list(plain.goals.items()) == [("g", Cell(2, 2)), ("b", Cell(0, 1)), ("a", Cell(2, 0))]
+    assert all(isinstance(cell, Cell) for cell in (*plain.goals.values(), *plain.starts.values()))
+    assert plain.distances_to(plain.goals["g"])[plain.starts["s"]] == 4
+    assert plain.with_goal("more", Cell(2, 1)).goal_names == ["g", "b", "a", "more"]
+
+
+@pytest.mark.parametrize("place", [3, None, (1,), (0, 1, 2), (0.0, 1.0), "01"], ids=repr)
+def test_what_is_no_cell_is_named(place: Any) -> None:
+    with pytest.raises(TwonavError, match=r"goal 'g' is no cell .*: give \(row, col\)"):
+        Maze(BLOCKED, {"g": place}, {})

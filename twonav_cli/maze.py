@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
+from operator import index
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,10 +49,18 @@ class Maze:
 
     def __post_init__(self) -> None:
         for kind, cells in (("goal", self.goals), ("start", self.starts)):
-            for name, cell in cells.items():
+            read = {}
+            for name, place in cells.items():
+                try:
+                    row, col = place
+                    cell = read[name] = Cell(index(row), index(col))
+                except (TypeError, ValueError):
+                    raise TwonavError(f"{kind} {name!r} is no cell ({place!r}): give (row, col)") from None
                 inside = 0 <= cell.row < self.rows and 0 <= cell.col < self.cols
                 if not inside or self.blocked[cell]:
                     raise TwonavError(f"{kind} {name!r} lies in a blocked cell {tuple(cell)}: move it to free floor")
+            # A maze of one's own is written with plain pairs; everything after asks for cell.row and cell.col.
+            object.__setattr__(self, f"{kind}s", read)
 
     @property
     def rows(self) -> int:

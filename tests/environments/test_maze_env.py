@@ -11,9 +11,11 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import twonav_cli.environments  # noqa: F401  # registers the environment
+from twonav_cli.environments.maze_env import MazeEnv
 from twonav_cli.errors import TwonavError
 from twonav_cli.grid import Cell
 from twonav_cli.maze import Action, Maze
+from twonav_cli.scene.catalog import scene_path
 
 #   0 1 2 3
 # 0 s . # .
@@ -25,6 +27,22 @@ SMALL = Maze(
     {"s": Cell(0, 0), "on h": Cell(2, 3)},
 )
 
+#   0 1 2
+# 0 s . g   "near g" is (0, 1)
+# 1 # # #
+# 2 c . h   from "cut off" only h can be reached
+HALVES = Maze(
+    np.array([[0, 0, 0], [1, 1, 1], [0, 0, 0]], dtype=np.bool_),
+    {"g": Cell(0, 2), "h": Cell(2, 2)},
+    {"s": Cell(0, 0), "near g": Cell(0, 1), "cut off": Cell(2, 0)},
+)
+
+TWO_IN_ONE_CELL = Maze(
+    np.zeros((1, 3), dtype=np.bool_), {"a": Cell(0, 2), "b": Cell(0, 2), "c": Cell(0, 1)}, {"s": Cell(0, 0)}
+)
+
+BEHIND_WALLS = Maze(np.array([[0, 1, 0]], dtype=np.bool_), {"g": Cell(0, 2)}, {"s": Cell(0, 0)})
+
 VARIANTS: list[dict[str, Any]] = [
     {},
     {"maze": "apartment", "goal": "sofa"},
@@ -33,18 +51,25 @@ VARIANTS: list[dict[str, Any]] = [
     {"maze": "random", "number": 3, "seed": 5, "goal": None},
     {"maze": SMALL, "goal": (1, 3)},
     {"maze": SMALL, "goal": None, "render_mode": "rgb_array"},
+    {"maze": HALVES},
+    {"maze": HALVES, "goal": None},
 ]
 
 
-def small(**settings: Any) -> gymnasium.Env[Any, Any]:
-    """Return the bare environment of the small maze."""
-    return gymnasium.make("twonav/Maze-v0", maze=SMALL, **settings).unwrapped
+def small(maze: Maze = SMALL, **settings: Any) -> gymnasium.Env[Any, Any]:
+    """Return the bare environment of a small maze."""
+    return gymnasium.make("twonav/Maze-v0", maze=maze, **settings).unwrapped
 
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("settings", VARIANTS, ids=str)
 def test_gymnasiums_own_check_finds_nothing_to_say(settings: dict[str, Any]) -> None:
     check_env(gymnasium.make("twonav/Maze-v0", **settings).unwrapped)
+
+
+def test_a_scene_is_meant_by_name_or_path() -> None:
+    mazes = [MazeEnv(maze).maze for maze in ("apartment", str(scene_path("apartment")), scene_path("apartment"))]
+    assert mazes[0].goals == mazes[1].goals == mazes[2].goals
 
 
 def test_with_one_goal_the_observation_is_the_cells_number() -> None:
@@ -132,6 +157,11 @@ def test_any_free_cell_can_be_the_goal() -> None:
         (lambda: gymnasium.make("twonav/Maze-v0", maze="no/such/scene.xml"), "there is no scene at no/such/scene.xml"),
         (lambda: gymnasium.make("twonav/Maze-v0", maze="random", number=-1), "at least 0: -1"),
         (lambda: gymnasium.make("twonav/Maze-v0", goal="kitchn"), "goal 'kitchn'; did you mean 'kitchen'"),
+        (lambda: MazeEnv("random", number="1"), "number of a random maze .* whole number: '1' was given"),  # type: ignore[arg-type]  # on purpose
+        (lambda: MazeEnv("random", seed=None), "seed of a random maze .* whole number: None was given"),  # type: ignore[arg-type]  # on purpose
+        (lambda: MazeEnv(None), "None is no maze: give a name"),  # type: ignore[arg-type]  # on purpose
+        (lambda: MazeEnv(render_mode=3), "unknown render mode '3'"),  # type: ignore[arg-type]  # on purpose
+        (lambda: small().reset(options=["start"]), r"options of reset.*\['start'\]"),  # type: ignore[arg-type]  # on purpose
         (lambda: small(goal=2), "2 is no goal: give a name .g, h., a number below 2 or a cell .row, col."),
         (lambda: small(goal=1.5), "1.5 is no goal"),
         (lambda: small(goal=(0, 2)), r"goal \(0, 2\) is blocked or outside the maze of 3 x 4 cells"),
@@ -163,11 +193,85 @@ def test_an_action_that_there_is_not_is_refused(action: Any) -> None:
         env.step(action)
 
 
-def test_a_goal_behind_walls_is_refused() -> None:
-    blocked = np.array([[0, 1, 0]], dtype=np.bool_)
-    env = gymnasium.make("twonav/Maze-v0", maze=Maze(blocked, {"g": Cell(0, 2)}, {"s": Cell(0, 0)}))
-    with pytest.raises(TwonavError, match=r"goal 'g' cannot be reached from \(0, 0\)"):
-        env.reset()
+@pytest.mark.parametrize("goal", [0, None])
+def test_a_maze_without_a_way_from_a_start_to_the_goal_is_refused_at_once(goal: int | None) -> None:
+    with pytest.raises(TwonavError, match=r"no start of the maze leads to (goal 'g'|any goal): "):
+        small(BEHIND_WALLS, goal=goal)
+
+
+@pytest.mark.parametrize(
+    ("settings", "options", "sentence"),
+    [
+        ({"goal": "g"}, {"start": "cut off"}, r"goal 'g' cannot be reached from \(2, 0\): choose another start"),
+        ({"goal": None}, {"start": "cut off", "goal": "g"}, r"goal 'g' cannot be reached from \(2, 0\)"),
+        ({"goal": None}, {"start": (0, 2)}, r"no goal away from \(0, 2\) can be reached from there"),
+        ({"goal": "g"}, {"goal": "h", "start": "s"}, r"goal 'h' cannot be reached from \(0, 0\)"),
+    ],
+)
+def test_what_cannot_be_reached_is_refused(settings: dict[str, Any], options: dict[str, Any], sentence: str) -> None:
+    env = small(HALVES, **settings)
+    with pytest.raises(TwonavError, match=sentence):
+        env.reset(options=options)
+
+
+def test_a_goal_for_one_episode_that_no_start_leads_to_is_refused() -> None:
+    env = small(Maze(HALVES.blocked, HALVES.goals, {"s": Cell(0, 0)}))
+    with pytest.raises(TwonavError, match="no start of the maze leads to goal 'h'"):
+        env.reset(options={"goal": "h"})
+    assert env.reset(options={"goal": "h", "start": (2, 1)})[1]["shortest_way"] == 1
+
+
+def test_a_start_that_lies_on_one_goal_draws_the_others() -> None:
+    env = small(goal=None)
+    drawn = {env.reset(seed=seed, options={"start": "on h"})[1]["goal"] for seed in range(100)}
+    assert drawn == {"g"}
+
+
+def test_only_goals_within_reach_of_the_wanted_start_are_drawn() -> None:
+    env = small(HALVES, goal=None)
+    drawn = {start: {env.reset(seed=n, options={"start": start})[1]["goal"] for n in range(50)} for start in range(3)}
+    assert drawn == {0: {"g"}, 1: {"g"}, 2: {"h"}}
+
+
+@pytest.mark.parametrize(("settings", "options"), [({"goal": "g"}, {}), ({"goal": None}, {"goal": "g"})], ids=repr)
+def test_only_starts_that_lead_to_the_goal_are_drawn(settings: dict[str, Any], options: dict[str, Any]) -> None:
+    env = small(HALVES, **settings)
+    assert {env.reset(seed=seed, options=options)[1]["cell"] for seed in range(100)} == {(0, 0), (0, 1)}
+
+
+def test_a_drawn_goal_and_a_drawn_start_belong_together() -> None:
+    env = small(HALVES, goal=None)
+    drawn = {(info["goal"], info["cell"]) for info in (env.reset(seed=seed)[1] for seed in range(100))}
+    assert drawn == {("g", (0, 0)), ("g", (0, 1)), ("h", (2, 0))}
+
+
+def test_a_goal_that_no_start_leads_to_is_never_drawn() -> None:
+    env = small(Maze(HALVES.blocked, HALVES.goals, {"s": Cell(0, 0)}), goal=None)
+    assert {env.reset(seed=seed)[1]["goal"] for seed in range(50)} == {"g"}
+
+
+@pytest.mark.parametrize("goal", ["g", None])
+@pytest.mark.parametrize(
+    "refused", [{"goal": "h", "start": "s"}, {"goal": "h", "start": "x"}, {"start": "cut off", "goal": "g"}], ids=repr
+)
+def test_a_refused_reset_leaves_the_episode_before_as_it_was(goal: str | None, refused: dict[str, Any]) -> None:
+    undisturbed, env = small(HALVES, goal=goal), small(HALVES, goal=goal)
+    for each in (undisturbed, env):
+        each.reset(seed=3, options={"start": "s", "goal": "g"})
+    with pytest.raises(TwonavError):
+        env.reset(seed=4, options=refused)
+    for action in (Action.RIGHT, Action.RIGHT):
+        assert str(env.step(action)) == str(undisturbed.step(action))
+    resets = [[str(each.reset()) for _ in range(20)] for each in (undisturbed, env)]
+    assert resets[0] == resets[1]
+
+
+@pytest.mark.parametrize("goal", ["b", 1, [1]], ids=repr)
+def test_of_two_goals_in_one_cell_the_one_that_is_meant_is_named(goal: Any) -> None:
+    assert small(TWO_IN_ONE_CELL, goal=goal).reset(seed=0)[1]["goal"] == "b"
+    assert small(TWO_IN_ONE_CELL, goal="c").reset(options={"goal": goal})[1]["goal"] == "b"
+    observation, info = small(TWO_IN_ONE_CELL, goal=None).reset(options={"goal": goal})
+    assert (observation.tolist(), info["goal"], info["goal_cell"]) == ([0, 1], "b", (0, 2))
 
 
 def test_an_environment_that_was_not_reset_says_so() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from operator import index
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -13,10 +14,10 @@ from numpy.typing import NDArray
 
 from twonav_cli.config import Rewards
 from twonav_cli.environments.drawing import picture_of, text_of
-from twonav_cli.environments.places import Place, cell_of, goal_index_of, read_maze
+from twonav_cli.environments.places import Goal, Place, goal_of, numbered_goal_of, read_maze, start_of
 from twonav_cli.errors import TwonavError, unknown_name
 from twonav_cli.grid import Cell
-from twonav_cli.maze import UNREACHABLE, Action, Maze
+from twonav_cli.maze import Action, Maze
 
 Observation = int | NDArray[np.int64]
 
@@ -34,8 +35,8 @@ class MazeEnv(gymnasium.Env[Any, Any]):
 
     Rewards: 100 for entering the goal's cell, -2 for a bump, -0.1 for every other action (§4.3).
 
-    An episode begins at one of the maze's starts, drawn at random, and ends at the goal. `gymnasium.make` truncates it
-    after 500 actions.
+    An episode begins at one of the maze's starts, drawn at random, and ends at the goal. Start and goal are drawn among
+    those that lie in different cells with a way between them. `gymnasium.make` truncates an episode after 500 actions.
 
     `info`: "cell" (row, col), "goal" its name, "goal_cell" (row, col), "blocked" whether the action was a bump,
     "shortest_way" the number of actions from here to the goal.
@@ -47,7 +48,7 @@ class MazeEnv(gymnasium.Env[Any, Any]):
 
     def __init__(
         self,
-        maze: str | Maze = "apartment",
+        maze: str | Path | Maze = "apartment",
         goal: Place | None = 0,
         number: int = 0,
         seed: int = 0,
@@ -63,15 +64,16 @@ class MazeEnv(gymnasium.Env[Any, Any]):
             render_mode: "ansi" for text, "rgb_array" for a picture, None for neither.
 
         Raises:
-            TwonavError: No such scene, goal or render mode, or a maze without a goal or start.
+            TwonavError: No such scene, goal or render mode, or a maze without a start that leads to the goal.
         """
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
-            raise unknown_name("render mode", render_mode, self.metadata["render_modes"])
+            raise unknown_name("render mode", str(render_mode), self.metadata["render_modes"])
         self.render_mode = render_mode
         self.maze = read_maze(maze, number, seed)
         if not self.maze.goals or not self.maze.starts:
             raise TwonavError("the maze has no goal or no start: give it one of each")
-        self._fixed_goal = None if goal is None else cell_of("goal", goal, self.maze)
+        self._fixed_goal = None if goal is None else goal_of(goal, self.maze)
+        self._every_goal = [goal_of(number, self.maze) for number in range(len(self.maze.goals))]
         cells = self.maze.rows * self.maze.cols
         self.action_space = spaces.Discrete(len(Action))
         self.observation_space = (
@@ -84,6 +86,7 @@ class MazeEnv(gymnasium.Env[Any, Any]):
         self._rewards = Rewards()
         self._ways: dict[Cell, list[int]] = {}
         self._at: int | None = None
+        self._goals_from(None, None)
 
     def reset(
         self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
@@ -98,15 +101,19 @@ class MazeEnv(gymnasium.Env[Any, Any]):
             The observation, and what else is known.
 
         Raises:
-            TwonavError: No such option, start or goal, or one that cannot be reached from the other.
+            TwonavError: No such option, start or goal, or one that cannot be reached from the other. The episode before
+                then goes on as if nothing had been asked.
         """
+        wanted_start, wanted_goal = _read_options(options)
+        start = None if wanted_start is None else start_of(wanted_start, self.maze)
+        goals = self._goals_from(start, wanted_goal)
         super().reset(seed=seed)
-        wanted = dict(options or {})
-        for name in wanted:
-            if name not in RESET_OPTIONS:
-                raise unknown_name("option of reset", str(name), RESET_OPTIONS)
-        self._choose_goal(wanted.get("goal"))
-        self._at = self._number(self._start(wanted.get("start")))
+        # Everything is checked: what follows is not refused, so an episode is never half the one before.
+        self._goal = goals[int(self.np_random.integers(len(goals)))]
+        self._goal_at = self._number(self._goal.cell)
+        self._way = self._way_to(self._goal.cell)
+        starts = self._starts_to(self._goal, start)
+        self._at = self._number(starts[int(self.np_random.integers(len(starts)))])
         return self._observation(), self._info(blocked=False)
 
     def step(self, action: int) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
@@ -122,7 +129,7 @@ class MazeEnv(gymnasium.Env[Any, Any]):
         if before is None:
             raise gymnasium.error.ResetNeeded("call reset() before step()")
         after = self._at = self._next[before][_checked(action)]
-        blocked, arrived = after == before, after == self._goal_number and after != before
+        blocked, arrived = after == before, after == self._goal_at and after != before
         reward = self._rewards.goal if arrived else self._rewards.blocked if blocked else self._rewards.step
         return self._observation(), reward, arrived, False, self._info(blocked)
 
@@ -134,52 +141,47 @@ class MazeEnv(gymnasium.Env[Any, Any]):
             gymnasium.logger.warn('render() shows nothing without a render mode: make(..., render_mode="ansi")')
             return None
         draw = text_of if self.render_mode == "ansi" else picture_of
-        return draw(self.maze.blocked, self._cell(self._at), self._goal_cell)
+        return draw(self.maze.blocked, self._cell(self._at), self._goal.cell)
 
-    def _choose_goal(self, wanted: Place | None) -> None:
-        """Set the goal of an episode."""
-        cells = list(self.maze.goals.values())
-        if self._fixed_goal is None:
-            drawn = int(self.np_random.integers(len(cells)))
-            self._goal = drawn if wanted is None else goal_index_of(wanted, self.maze)
-            self._goal_cell, self._goal_name = cells[self._goal], self.maze.goal_names[self._goal]
-        else:
-            cell = self._fixed_goal if wanted is None else cell_of("goal", wanted, self.maze)
-            known = cells.index(cell) if cell in cells else None
-            self._goal_cell = cell
-            self._goal_name = f"({cell.row}, {cell.col})" if known is None else self.maze.goal_names[known]
-        self._goal_number = self._number(self._goal_cell)
-        if self._goal_cell not in self._ways:
-            self._ways[self._goal_cell] = self.maze.distances_to(self._goal_cell).reshape(-1).tolist()
-        self._way = self._ways[self._goal_cell]
+    def _goals_from(self, start: Cell | None, wanted: Place | None) -> list[Goal]:
+        """Return the goals that an episode can have, one at least, from this start or else from any of the maze's.
 
-    def _start(self, wanted: Place | None) -> Cell:
-        """Return the start of an episode: the one asked for, or one of the starts that do not lie on the goal."""
-        if wanted is None:
-            others = [cell for cell in self.maze.starts.values() if cell != self._goal_cell]
-            if not others:
-                raise TwonavError(f"every start of the maze lies on goal {self._goal_name!r}: give reset() a start")
-            start = others[int(self.np_random.integers(len(others)))]
-        else:
-            start = cell_of("start", wanted, self.maze)
-        if start == self._goal_cell:
-            raise TwonavError(f"the start lies on goal {self._goal_name!r}: choose another start")
-        if self._way[self._number(start)] == UNREACHABLE:
-            raise TwonavError(f"goal {self._goal_name!r} cannot be reached from {tuple(start)}: choose another start")
-        return start
+        Raises:
+            TwonavError: The wanted goal is none, or there is no way.
+        """
+        asked = self._fixed_goal
+        if wanted is not None:
+            asked = numbered_goal_of(wanted, self.maze) if asked is None else goal_of(wanted, self.maze)
+        goals = [goal for goal in (self._every_goal if asked is None else [asked]) if self._starts_to(goal, start)]
+        if not goals:
+            raise _no_way(start, asked)
+        return goals
+
+    def _starts_to(self, goal: Goal, start: Cell | None) -> list[Cell]:
+        """Return the starts that do not lie on a goal and lead to it: of this one, or else of all."""
+        way = self._way_to(goal.cell)
+        starts = self.maze.starts.values() if start is None else [start]
+        # On the goal the way is 0 long, and UNREACHABLE is less.
+        return [cell for cell in starts if way[self._number(cell)] > 0]
+
+    def _way_to(self, cell: Cell) -> list[int]:
+        """Return the length of the shortest way to a cell from the cell of every number."""
+        if cell not in self._ways:
+            self._ways[cell] = self.maze.distances_to(cell).reshape(-1).tolist()
+        return self._ways[cell]
 
     def _observation(self) -> Observation:
         assert self._at is not None
         if self._fixed_goal is not None:
             return self._at
-        return np.array([self._at, self._goal], dtype=np.int64)
+        return np.array([self._at, self._goal.number], dtype=np.int64)
 
     def _info(self, blocked: bool) -> dict[str, Any]:
         assert self._at is not None
         return {
             "cell": divmod(self._at, self.maze.cols),
-            "goal": self._goal_name,
-            "goal_cell": tuple(self._goal_cell),
+            "goal": self._goal.name,
+            "goal_cell": tuple(self._goal.cell),
             "blocked": blocked,
             "shortest_way": self._way[self._at],
         }
@@ -191,6 +193,30 @@ class MazeEnv(gymnasium.Env[Any, Any]):
     def _cell(self, number: int) -> Cell:
         """Return the cell of a number."""
         return Cell(*divmod(number, self.maze.cols))
+
+
+def _read_options(options: Mapping[str, Any] | None) -> tuple[Place | None, Place | None]:
+    """Return the start and the goal that reset() is asked for."""
+    if options is None:
+        return None, None
+    if not isinstance(options, Mapping):
+        raise TwonavError(f'the options of reset() must be a dict such as {{"start": 0}}: {options!r} was given')
+    for name in options:
+        if name not in RESET_OPTIONS:
+            raise unknown_name("option of reset", str(name), RESET_OPTIONS)
+    return options.get("start"), options.get("goal")
+
+
+def _no_way(start: Cell | None, goal: Goal | None) -> TwonavError:
+    """Return the error for a start and a goal, None for any of the maze's, without a way between them."""
+    if start is None:
+        which = "any goal" if goal is None else f"goal {goal.name!r}"
+        return TwonavError(f"no start of the maze leads to {which}: choose another goal or give a start that does")
+    if goal is None:
+        return TwonavError(f"no goal away from {tuple(start)} can be reached from there: choose another start")
+    if start == goal.cell:
+        return TwonavError(f"the start lies on goal {goal.name!r}: choose another start")
+    return TwonavError(f"goal {goal.name!r} cannot be reached from {tuple(start)}: choose another start")
 
 
 def _checked(action: int) -> int:

@@ -1,8 +1,9 @@
-"""What a user of an environment writes for a maze, a goal or a start, and the maze or cell that it means."""
+"""What a user of an environment writes for a maze, a goal or a start, and the maze, goal or cell that it means."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from operator import index
 from pathlib import Path
 
@@ -19,7 +20,22 @@ Place = str | int | Sequence[int]
 RANDOM = "random"
 
 
-def read_maze(maze: str | Maze, number: int, seed: int) -> Maze:
+@dataclass(frozen=True)
+class Goal:
+    """A goal of an episode. Its cell alone does not tell it from another goal in the same cell.
+
+    Attributes:
+        name: Its name in the maze, or its cell as text.
+        number: From 0 in the maze's order; None for a cell in which no goal of the maze lies.
+        cell: Where it lies.
+    """
+
+    name: str
+    number: int | None
+    cell: Cell
+
+
+def read_maze(maze: str | Path | Maze, number: int, seed: int) -> Maze:
     """Return the maze that is meant: a scene's, one of the random ones, or the given one.
 
     Args:
@@ -28,41 +44,73 @@ def read_maze(maze: str | Maze, number: int, seed: int) -> Maze:
         seed: Of the random mazes.
 
     Raises:
-        TwonavError: There is no such scene, or `number` is negative.
+        TwonavError: There is no such scene, `number` is negative, or one of the numbers is no whole number.
     """
     if isinstance(maze, Maze):
         return maze
+    if not isinstance(maze, str | Path):
+        raise TwonavError(f"{maze!r} is no maze: give a name ({', '.join([RANDOM, *scene_names()])}), a path or a Maze")
     if maze == RANDOM:
-        return random_maze(seed, number)
+        return random_maze(_whole_number("seed", seed), _whole_number("number", number))
+    maze = str(maze)
     path = Path(maze).expanduser()
     if maze not in scene_names() and not path.exists() and len(path.parts) < 2 and not path.suffix:
         raise unknown_name("maze", maze, [RANDOM, *scene_names()])
     return read_floor(maze).maze
 
 
-def cell_of(kind: str, place: Place, maze: Maze) -> Cell:
-    """Return the cell of a place.
-
-    Args:
-        kind: "goal" or "start".
-        place: Name or number of a goal or start, or any free cell.
-        maze: Where it lies.
+def start_of(place: Place, maze: Maze) -> Cell:
+    """Return the cell of a start.
 
     Raises:
         TwonavError: No such name or number, or a cell that is blocked or outside.
     """
+    return _name_and_cell("start", place, maze)[1]
+
+
+def goal_of(place: Place, maze: Maze) -> Goal:
+    """Return the goal that is meant; by its cell, the first of the maze's goals there.
+
+    Raises:
+        TwonavError: No such name or number, or a cell that is blocked or outside.
+    """
+    name, cell = _name_and_cell("goal", place, maze)
+    if name is None:
+        name = next((known for known, there in maze.goals.items() if there == cell), None)
+    if name is None:
+        return Goal(f"({cell.row}, {cell.col})", None, cell)
+    return Goal(name, maze.goal_names.index(name), cell)
+
+
+def numbered_goal_of(place: Place, maze: Maze) -> Goal:
+    """Return the goal that is meant, one of the maze's.
+
+    Raises:
+        TwonavError: No goal of the maze is meant.
+    """
+    goal = goal_of(place, maze)
+    if goal.number is None:
+        raise TwonavError(
+            f"no goal lies in cell {goal.name}, and the observation has to name one: "
+            f"choose among {', '.join(maze.goals)}, or make the environment for this goal"
+        )
+    return goal
+
+
+def _name_and_cell(kind: str, place: Place, maze: Maze) -> tuple[str | None, Cell]:
+    """Return the name of a goal or start, None where it is meant by its cell, and the cell."""
     named = maze.goals if kind == "goal" else maze.starts
     if isinstance(place, str):
         if place not in named:
             raise unknown_name(kind, place, named)
-        return named[place]
+        return place, named[place]
     numbers = _whole_numbers(place)
     if len(numbers) == 1 and 0 <= numbers[0] < len(named):
-        return list(named.values())[numbers[0]]
+        return list(named.items())[numbers[0]]
     if len(numbers) == 2:
         row, col = numbers
         if 0 <= row < maze.rows and 0 <= col < maze.cols and not maze.blocked[row, col]:
-            return Cell(row, col)
+            return None, Cell(row, col)
         free = maze.free_cells[0]
         raise TwonavError(
             f"{kind} ({row}, {col}) is blocked or outside the maze of {maze.rows} x {maze.cols} cells: "
@@ -74,24 +122,12 @@ def cell_of(kind: str, place: Place, maze: Maze) -> Cell:
     )
 
 
-def goal_index_of(place: Place, maze: Maze) -> int:
-    """Return the index of a goal of the maze.
-
-    Raises:
-        TwonavError: No goal of the maze is meant.
-    """
-    cell = cell_of("goal", place, maze)
-    if isinstance(place, str):
-        return maze.goal_names.index(place)
-    if not isinstance(place, Iterable):
-        return index(place)
-    cells = list(maze.goals.values())
-    if cell not in cells:
-        raise TwonavError(
-            f"no goal lies in cell ({cell.row}, {cell.col}), and the observation has to name one: "
-            f"choose among {', '.join(maze.goals)}, or make the environment for this goal"
-        )
-    return cells.index(cell)
+def _whole_number(name: str, value: int) -> int:
+    """Return a number that tells random mazes apart."""
+    try:
+        return index(value)
+    except TypeError:
+        raise TwonavError(f"the {name} of a random maze must be a whole number: {value!r} was given") from None
 
 
 def _whole_numbers(place: int | Sequence[int]) -> list[int]:

@@ -26,11 +26,11 @@ class Look(NamedTuple):
 LOOKS: dict[str, Look] = {
     "single": Look("#D55E00", "o"),
     "multi": Look("#0072B2", "s"),
-    "multi-random": Look("#CC79A7", "^"),
+    "multi-random": Look("#56B4E9", "X"),
     "optimistic": Look("#009E73", "D"),
     "prioritized-sweeping": Look("#CC79A7", "v"),
     "nearest-untried": Look("#E69F00", "^"),
-    "oracle": Look("#56B4E9", "P"),
+    "oracle": Look("#F0E442", "P"),
     "random": Look("#E69F00", "o"),
     "td-error": Look("#0072B2", "s"),
     "sequential": Look("#009E73", "D"),

@@ -9,17 +9,18 @@ from twonav_cli.experiments.learning_run import LearningRun, shortest_ways
 from twonav_cli.experiments.paper_figures import TABLE_8
 from twonav_cli.experiments.statistics import summary_of
 from twonav_cli.experiments.tables.apartment import average_figures, goal_figures, paper_goals
-from twonav_cli.experiments.tables.method_runs import Make, run_methods
+from twonav_cli.experiments.tables.method_runs import EXPLORERS, Make, run_methods
 from twonav_cli.experiments.tables.report import Report, report_of, settings_of
 from twonav_cli.experiments.tables.request import TableRequest
 
 
 def table8(request: TableRequest, make: Make) -> Report:
-    """Run both learners, and the multi-goal one with goals at random, on the scene's maze, and count actions."""
+    """Run the paper's two learners, multi-goal also with goals at random, and the explorers; count actions."""
     methods = {
         "single": request.settings("single"),
         "multi": request.settings("multi"),
         "multi-random": request.settings("multi", goal_selection="random"),
+        **{name: request.settings(name) for name in EXPLORERS},
     }
     maze = request.scene_maze()
     runs = run_methods(methods, [maze], request.repeats, make)
