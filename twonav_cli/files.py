@@ -36,6 +36,21 @@ def write_whole(path: Path, content: bytes | str) -> Path:
     return path
 
 
+def writable(folder: Path) -> Path:
+    """Return a folder that exists and can be written, before minutes are spent on what goes there.
+
+    Raises:
+        TwonavError: It cannot.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise TwonavError(f"cannot write into {folder} ({error.strerror or error}): name another --out") from error
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise TwonavError(f"cannot write into {folder}: name another --out")
+    return folder
+
+
 def digest_of(contents: Iterable[bytes]) -> str:
     """Return the first 16 hexadecimal digits of the SHA-256 of several byte strings in order."""
     digest = hashlib.sha256()

@@ -19,6 +19,7 @@ from twonav_cli.terminal.train_options import (
     PresetOption,
     RandomMazeOption,
     TemperatureOption,
+    TrainBaseOption,
     WatchOption,
 )
 
@@ -93,7 +94,7 @@ def train(
     images: Annotated[
         int | None, typer.Option("--images", min=1, help="Pictures shown in all, repeats included (localizer only).")
     ] = None,
-    base: BaseOption = "omni",
+    base: TrainBaseOption = None,
     json_: JsonOption = False,
     watch: WatchOption = False,
     learner: LearnerOption = None,
@@ -155,8 +156,12 @@ def reproduce(
     cooling: Annotated[
         str, typer.Option("--cooling", help="T cools per-goal, anew for each, or once, over all goals.")
     ] = "per-goal",
-    mazes: Annotated[int, typer.Option("--mazes", help="Random mazes (table5, table6, sensitivity).")] = 10,
-    scene: Annotated[str, typer.Option("--scene", help="Whose maze (table7, table8, fig8).")] = "apartment",
+    mazes: Annotated[
+        int | None, typer.Option("--mazes", help="Random mazes (table5, table6, sensitivity).", show_default="10")
+    ] = None,
+    scene: Annotated[
+        str | None, typer.Option("--scene", help="Whose maze (table7, table8, fig8).", show_default="apartment")
+    ] = None,
     processes: Annotated[
         int | None, typer.Option("--processes", help="Workers that share the runs; default: one for each processor.")
     ] = None,

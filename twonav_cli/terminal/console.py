@@ -56,7 +56,7 @@ def screen_possible() -> bool:
 def progress() -> Progress:
     """Return a progress bar on standard error: what, how far, how long still, and the numbers that matter.
 
-    Tasks are added with `result=""`; updates put the numbers there.
+    Tasks are added with `result=""`; updates put the numbers there. Where no bar can be drawn, only lines are printed.
     """
     from rich.progress import (
         BarColumn,
@@ -76,4 +76,5 @@ def progress() -> Progress:
         TimeRemainingColumn(),
         TextColumn("{task.fields[result]}"),
         console=err(),
+        disable=not err().is_terminal,
     )

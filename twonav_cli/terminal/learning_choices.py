@@ -41,6 +41,16 @@ class LearningChoices:
             raise unknown_name("preset", preset, PRESETS)
         return learner_settings(learner, preset, **changes)
 
+    def check(self) -> None:
+        """Make sure that the settings can be learned with.
+
+        Raises:
+            TwonavError: A name that there is not, or a number out of its range.
+        """
+        from twonav_cli.learner.agent import checked
+
+        checked(self.config())
+
     def arguments(self) -> list[str]:
         """Return what was said as it is typed."""
         return [part for name, value in self.given().items() for part in (option_of(name), str(value))]

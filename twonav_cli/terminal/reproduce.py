@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
@@ -16,11 +15,14 @@ from twonav_cli.experiments.repeats import Item, StoppedError, make_runs, proces
 from twonav_cli.experiments.tables.catalog import EVERY_TABLE, default_repeats, make_table, tables_named
 from twonav_cli.experiments.tables.report import Report
 from twonav_cli.experiments.tables.request import MAZES, SCENE, TableRequest
-from twonav_cli.files import write_whole
+from twonav_cli.files import writable, write_whole
 from twonav_cli.maze import Maze
 from twonav_cli.paths import runs_dir
 from twonav_cli.terminal.console import progress
 from twonav_cli.terminal.interrupt import StopOnInterrupt
+
+OF_RANDOM_MAZES, OF_A_SCENE = ("table5", "table6", "sensitivity"), ("table7", "table8", "fig8")
+"""Which tables are about random mazes, and which about a scene's."""
 
 
 @dataclass(frozen=True)
@@ -31,8 +33,8 @@ class ReproduceRequest:
     repeats: int | None = None
     seed: int = 0
     discount: float | None = None
-    mazes: int = MAZES
-    scene: str = SCENE
+    mazes: int | None = None
+    scene: str | None = None
     processes: int | None = None
     as_json: bool = False
     out: Path | None = None
@@ -41,20 +43,36 @@ class ReproduceRequest:
     def table_request(self, table: str) -> TableRequest:
         """Return what is asked of one table."""
         repeats = default_repeats(table) if self.repeats is None else self.repeats
-        return TableRequest(table, repeats, self.seed, self.discount, self.mazes, self.scene, self.cooling)
+        mazes = MAZES if self.mazes is None else self.mazes
+        return TableRequest(table, repeats, self.seed, self.discount, mazes, self.scene or SCENE, self.cooling)
+
+    def check(self) -> None:
+        """Refuse what cannot be, and what the table would not look at, before anything is made.
+
+        Raises:
+            TwonavError: Says what to leave out or to name instead.
+        """
+        tables = [self.table_request(name) for name in tables_named(self.table)]
+        for option, given, users in (("--mazes", self.mazes, OF_RANDOM_MAZES), ("--scene", self.scene, OF_A_SCENE)):
+            if given is not None and not any(table.table in users for table in tables):
+                raise TwonavError(f"{option} is for {', '.join(users)}: {self.table} does not use it, so leave it out")
+        for table in tables:
+            table.check()
+        if len(tables) > 1 and self.scene is not None:
+            tables[0].scene_maze()  # else it would be missed only after the tables before
+        if self.processes is not None and self.processes < 1:
+            raise TwonavError(f"--processes must be at least 1: {self.processes} was given")
 
 
 def run_reproduce(request: ReproduceRequest) -> int:
     """Make, print and write the tables; returns 0, or 130 when interrupted (finished tables are kept)."""
+    request.check()
     wanted = [request.table_request(name) for name in tables_named(request.table)]
-    for table in wanted:
-        table.check()
-    processes = processors() if request.processes is None else request.processes
-    if processes < 1:
-        raise TwonavError(f"--processes must be at least 1: {processes} was given")
+    processes = request.processes or processors()
     folder = writable(request.out or runs_dir() / "reproduce")
     reports: dict[str, Any] = {}
-    with StopOnInterrupt("stopping: what is finished is kept") as stop:
+    kept = "tables that are finished are kept" if len(wanted) > 1 else "nothing is kept"
+    with StopOnInterrupt(f"stopping: {kept}") as stop:
         for table in wanted:
             try:
                 report = _made(table, processes, stop)
@@ -70,21 +88,6 @@ def run_reproduce(request: ReproduceRequest) -> int:
     if request.as_json:
         print(json.dumps(reports if request.table == EVERY_TABLE else reports[request.table], allow_nan=False))
     return 0
-
-
-def writable(folder: Path) -> Path:
-    """Return a folder that exists and can be written, before minutes are spent on what goes there.
-
-    Raises:
-        TwonavError: It cannot.
-    """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise TwonavError(f"cannot write into {folder} ({error.strerror or error}): name another --out") from error
-    if not os.access(folder, os.W_OK | os.X_OK):
-        raise TwonavError(f"cannot write into {folder}: name another --out")
-    return folder
 
 
 def _made(table: TableRequest, processes: int, should_stop: Callable[[], bool]) -> Report:

@@ -7,6 +7,7 @@ from typing import Any
 from rich.table import Table
 
 from twonav_cli.experiments.tables.report import Figures, Report
+from twonav_cli.experiments.tables.request import SCENE
 from twonav_cli.terminal.console import out
 
 NONE = "-"
@@ -35,6 +36,8 @@ def print_report(report: Report) -> None:
     for table in _tables_of(report):
         console.print(table)
         console.print()
+    if report.settings.get("scene", SCENE) != SCENE:
+        console.print("the paper's figures are of its own apartment, with 10 goals", markup=False)
     for mark, erratum in zip(_marks(report), report.errata, strict=True):
         console.print(f"({mark}) {erratum['row']}: {erratum['text']}", markup=False)
     for line in (*_gave_up(report), *_settings(report.settings)):
@@ -191,14 +194,14 @@ def _gave_up(report: Report) -> list[str]:
 
 def _settings(settings: Figures) -> list[str]:
     chosen = ", ".join(_setting(key, settings[key]) for key in SETTING_NAMES)
-    where = f"scene {settings['scene']}" if "scene" in settings else f"{settings['mazes']} random mazes"
+    where = f"scene {settings['scene']}" if "scene" in settings else _counted(settings["mazes"], "random maze")
     difference = settings["max_step_difference"]
     criterion = f"criterion: {settings['consecutive_successes']} successes in a row from each start, " + (
         f"steps differing by less than {difference:g}" if difference < ENDLESS else "any number of steps"
     )
     versions = ", ".join(f"{name} {number}" for name, number in settings["versions"].items())
     lines = [
-        f"{where}, {settings['repeats']} repeats, seed {settings['seed']}; {chosen}; {criterion}.",
+        f"{where}, {_counted(settings['repeats'], 'repeat')}, seed {settings['seed']}; {chosen}; {criterion}.",
         *(f"{name}: {_differences(found)}." for name, found in settings["methods"].items() if _own(found)),
         f"IQM: interquartile mean; 95 %: bootstrap within each maze. A run gives up after "
         f"{settings['steps_at_most']:,} actions.",
@@ -206,6 +209,10 @@ def _settings(settings: Figures) -> list[str]:
     lines += ["* the preset."] if "sweeps" in settings else []
     lines += [f"Panels: {settings['panels']}."] if "panels" in settings else []
     return [*lines, f"Versions: {versions}."]
+
+
+def _counted(number: int, thing: str) -> str:
+    return f"{number} {thing}{'s' * (number != 1)}"
 
 
 def _own(differences: Figures) -> bool:

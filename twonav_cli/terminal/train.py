@@ -9,7 +9,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from twonav_cli.checkpoint import CARD_FILE, read_card
 from twonav_cli.errors import TwonavError
+from twonav_cli.files import writable
 from twonav_cli.paths import runs_dir
 from twonav_cli.terminal.choices import check_choices
 from twonav_cli.terminal.console import screen_possible
@@ -20,7 +22,10 @@ if TYPE_CHECKING:
     from twonav_cli.terminal.learning_place import LearningPlace
 
 STAGES = ("maze", "localizer", "3d")
-USUAL_SCENE = "apartment"
+USUAL_SCENE, USUAL_BASE = "apartment", "omni"
+
+ALREADY_LEARNED = "already-learned"
+"""The outcome of going on with a run that has nothing left to do."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +41,7 @@ class TrainRequest:
     recording: bool = True
     quick: bool = False
     images: int | None = None
-    base: str = "omni"
+    base: str | None = None
     as_json: bool = False
     watch: bool = False
     random_maze: int | None = None
@@ -47,6 +52,11 @@ class TrainRequest:
         """The scene that was named, or the usual one."""
         return self.scene or USUAL_SCENE
 
+    @property
+    def base_name(self) -> str:
+        """The base that was named, or the usual one."""
+        return self.base or USUAL_BASE
+
     def command(self) -> str:
         """Return the command that repeats this run."""
         where = ["--scene", self.scene_name] if self.random_maze is None else ["--random-maze", str(self.random_maze)]
@@ -54,7 +64,7 @@ class TrainRequest:
         if self.images is not None:
             parts += ["--images", str(self.images)]
         if self.stage == "3d":
-            parts += ["--base", self.base]
+            parts += ["--base", self.base_name]
         parts += self.choices.arguments()
         return shlex.join(parts + (["--quick"] if self.quick else []))
 
@@ -70,18 +80,22 @@ class TrainRequest:
         Raises:
             TwonavError: Says what to leave out or to name instead.
         """
-        check_choices("train", self.stage, STAGES, base=self.base)
+        check_choices("train", self.stage, STAGES, base=self.base_name)
         asked = [option_of(name) for name in self.choices.given()]
         asked += ["--random-maze"] * (self.random_maze is not None) + ["--watch"] * self.watch
         if asked and self.stage != "maze":
             raise TwonavError(f"{asked[0]} is for --stage maze only: leave it out, or train the maze")
+        if self.images is not None and self.stage != "localizer":
+            raise TwonavError("--images is for --stage localizer only: leave it out, or train the localizer")
+        if self.base is not None and self.stage != "3d":
+            raise TwonavError("--base is for --stage 3d only: leave it out, or train in 3D")
         if self.random_maze is not None and self.scene is not None:
             raise TwonavError("a random maze has no scene: leave --scene or --random-maze out")
         if self.watch and not screen_possible():
             raise TwonavError(
                 "--watch needs a terminal that can move its cursor: leave it out to train without watching"
             )
-        self.choices.config()
+        self.choices.check()
 
 
 def run_train(request: TrainRequest) -> int:
@@ -94,7 +108,7 @@ def run_train(request: TrainRequest) -> int:
     with StopOnInterrupt() as stop:
         folder, outcome, metrics = _trained(request, stop)
     _report(request, folder, outcome, metrics)
-    return {"learned": 0, "quick": 0, "stopped": 130}.get(outcome, 1)
+    return {"learned": 0, ALREADY_LEARNED: 0, "quick": 0, "stopped": 130}.get(outcome, 1)
 
 
 def _trained(request: TrainRequest, stop: StopOnInterrupt) -> tuple[Path, str, dict[str, Any]]:
@@ -109,7 +123,9 @@ def _trained(request: TrainRequest, stop: StopOnInterrupt) -> tuple[Path, str, d
 
         floor = read_floor(request.scene_name)
         place = place_of_floor(floor)
-    folder = request.out or runs_dir() / place.name / name
+    # Another seed draws another random maze of the same number.
+    where = place.name if request.random_maze is None else f"random-{request.seed}-{request.random_maze}"
+    folder = _checked_folder(request, request.out or runs_dir() / where / name)
     if request.stage == "maze":
         from twonav_cli.terminal.train_maze import train_maze
 
@@ -123,15 +139,46 @@ def _trained(request: TrainRequest, stop: StopOnInterrupt) -> tuple[Path, str, d
     return folder, *train_3d(request, floor, folder, stop)
 
 
+def _checked_folder(request: TrainRequest, folder: Path) -> Path:
+    """Return the folder of the checkpoint, once it is sure that the run can be saved there and destroys no other.
+
+    Raises:
+        TwonavError: It cannot be written, or holds an unfinished run of other settings.
+    """
+    if request.resume:
+        return writable(folder) if folder.is_dir() else folder
+    if request.out is None and not request.quick and (folder / CARD_FILE).is_file():
+        _keep_unfinished(request, folder)
+    return writable(folder)
+
+
+def _keep_unfinished(request: TrainRequest, folder: Path) -> None:
+    """Refuse to write over a run that was left in the middle, unless this is the same run from its beginning."""
+    try:
+        card = read_card(folder)
+    except TwonavError:  # nobody can go on with a damaged one
+        return
+    metrics, command = card.get("metrics", {}), card.get("command", "")
+    unfinished = metrics.get("unfinished") or metrics.get("goals_learned", 0) < metrics.get("goals", 0)
+    if unfinished and command != request.command():
+        raise TwonavError(
+            f"an unfinished run of other settings is in {folder}: go on with it ({command} --resume), "
+            "or name another folder with --out"
+        )
+
+
 def _report(request: TrainRequest, folder: Path, outcome: str, metrics: dict[str, Any]) -> None:
     if request.as_json:
         place = request.scene_name if request.random_maze is None else f"random-{request.random_maze}"
-        print(json.dumps({"stage": request.stage, "scene": place, "outcome": outcome, **metrics}))
+        told = "learned" if outcome == ALREADY_LEARNED else outcome
+        print(json.dumps({"stage": request.stage, "scene": place, "outcome": told, **metrics}))
     else:
         for name, value in metrics.items():
             print(f"{name}: {value}", file=sys.stderr)
     if outcome == "stopped":
         print(f"stopped and saved in {folder}; go on with: {request.resume_command()}", file=sys.stderr)
+    elif outcome == ALREADY_LEARNED:
+        print(f"already learned: nothing left to do in {folder}", file=sys.stderr)
     elif outcome == "gave-up":
         print(f"gave up before every goal was learned; what was learned is in {folder}", file=sys.stderr)
     elif outcome == "quick":

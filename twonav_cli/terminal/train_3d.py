@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,13 +14,12 @@ from twonav_cli.experiments.trials import learn_in_stage
 from twonav_cli.learner.agent import Agent
 from twonav_cli.mapping.floor import Floor
 from twonav_cli.terminal.learning_place import LearningPlace, place_of_floor
-from twonav_cli.terminal.train import TrainRequest, card_of
-from twonav_cli.terminal.train_agent import check_same_run, metrics_of, recorded, run_started, with_progress
+from twonav_cli.terminal.train import TrainRequest
+from twonav_cli.terminal.train_agent import Saver, check_same_run, metrics_of, recorded, run_started, with_progress
 
 if TYPE_CHECKING:
     from twonav_cli.stages.sim3d_stage import Sim3dStage
 
-SAVE_EVERY_S = 30.0
 TRIALS = 1500
 QUICK_TRIALS = 6
 
@@ -39,12 +37,16 @@ def train_3d(
     """
     agent = _agent(request, floor, folder)
     stage, place = _stage(request, floor), place_of_floor(floor)
-    saver = _Saver(request, place, folder, agent, should_stop)
+    saver = Saver(request, place, folder, agent)
+
+    def saved_and_asked() -> bool:
+        saver.save_if_due()
+        return should_stop()
 
     def learn(sink: Sink) -> LearningOutcome:
         trials = QUICK_TRIALS if request.quick else TRIALS
         try:
-            return learn_in_stage(stage, agent, request.seed, sink, saver, agent.progress.trial + trials)
+            return learn_in_stage(stage, agent, request.seed, sink, saved_and_asked, agent.progress.trial + trials)
         finally:
             stage.close()
 
@@ -68,31 +70,5 @@ def _stage(request: TrainRequest, floor: Floor) -> Sim3dStage:
     from twonav_cli.stages.sim3d_stage import Sim3dOptions
 
     localize = load_localize(floor, own_first=True)
-    options = Sim3dOptions(base=request.base, trace=request.recording)
+    options = Sim3dOptions(base=request.base_name, trace=request.recording)
     return make_stage(floor, "3d", localize, request.seed, options)  # type: ignore[return-value]  # by name
-
-
-class _Saver:
-    """Writes the agent every half minute and at the end, so that a kill loses little.
-
-    It stands before the question whether to stop, which the learning loop asks between two trials, where the agent can
-    be saved.
-    """
-
-    def __init__(
-        self, request: TrainRequest, place: LearningPlace, folder: Path, agent: Agent, should_stop: Callable[[], bool]
-    ) -> None:
-        self._request, self._place, self._folder, self._agent = request, place, folder, agent
-        self._should_stop = should_stop
-        self._saved_at = time.monotonic()
-
-    def __call__(self) -> bool:
-        """Whether to stop."""
-        if time.monotonic() - self._saved_at > SAVE_EVERY_S:
-            self.save({"unfinished": True})
-        return self._should_stop()
-
-    def save(self, metrics: dict[str, Any]) -> None:
-        """Write the agent with its card."""
-        self._agent.save(self._folder, card_of(self._request, self._place, metrics))
-        self._saved_at = time.monotonic()

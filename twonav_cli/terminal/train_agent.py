@@ -17,9 +17,10 @@ from twonav_cli.learner.agent import Agent
 from twonav_cli.terminal.console import progress
 from twonav_cli.terminal.learning_place import LearningPlace
 from twonav_cli.terminal.recordings import default_recording, recording
-from twonav_cli.terminal.train import TrainRequest
+from twonav_cli.terminal.train import TrainRequest, card_of
 
 SHOW_EVERY_S = 0.5
+SAVE_EVERY_S = 30.0
 
 Learn = Callable[[Sink], LearningOutcome]
 """Learns and sends what happens."""
@@ -79,6 +80,39 @@ def metrics_of(result: LearningOutcome) -> dict[str, Any]:
         "goals_learned": len(result.learned),
         "goals": len(result.trials_of_goal),
     }
+
+
+class Saver:
+    """Writes the agent every half minute and at the end, so that a kill loses little; asked between two trials.
+
+    Args:
+        request: What the card says.
+        place: What the card says.
+        folder: Where to.
+        agent: What.
+        command: On the card, when it is not the request's.
+    """
+
+    def __init__(
+        self, request: TrainRequest, place: LearningPlace, folder: Path, agent: Agent, command: str | None = None
+    ) -> None:
+        self._request, self._place, self._folder, self._agent = request, place, folder, agent
+        self._command = command or request.command()
+        self._saved_at = time.monotonic()
+
+    def due(self) -> bool:
+        """Whether the last save is long ago."""
+        return time.monotonic() - self._saved_at > SAVE_EVERY_S
+
+    def save_if_due(self) -> None:
+        """Write the agent of a run that is under way."""
+        if self.due():
+            self.save({"unfinished": True})
+
+    def save(self, metrics: dict[str, Any]) -> None:
+        """Write the agent with its card."""
+        self._agent.save(self._folder, {**card_of(self._request, self._place, metrics), "command": self._command})
+        self._saved_at = time.monotonic()
 
 
 @contextmanager

@@ -19,6 +19,9 @@ OF_PRESET = "the preset's"
 WatchOption = Annotated[
     bool, typer.Option("--watch", help="Watch the agent learn, from one action a second up (maze only).")
 ]
+TrainBaseOption = Annotated[
+    str | None, typer.Option("--base", help="omni or differential (3d only).", show_default="omni")
+]
 LearnerOption = Annotated[
     str | None,
     typer.Option("--learner", help=f"Who learns: {', '.join(LEARNERS)} (maze only).", show_default="multi"),

@@ -11,6 +11,7 @@ from typing import ClassVar
 from textual.app import App, ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal
+from textual.events import Event as TextualEvent
 from textual.events import Key, Resize
 from textual.suggester import SuggestFromList
 from textual.widgets import Input, Static
@@ -54,6 +55,9 @@ prompt       GOAL  goals  kidnap  pause  resume  step  speed 2
 plan         cyan: the robot; magenta: where it believes to be;
              arrows: best action, yellow near the goal, blue far from it
 values       ◀ the best action; bold: the one that was taken"""
+
+PRIORITY_KEYS = ("ctrl+c", "ctrl+q", "tab", "shift+tab")
+"""Keys that do the same whoever has the focus."""
 
 STYLE = """
 Screen { background: #0d1117; color: #d4dbe4; layers: below above; overflow: hidden; }
@@ -218,6 +222,19 @@ class PlayScreen(App[None], inherit_bindings=False):
         self.query_one("#hint", Static).update(hint)
         self.query_one("#status", Static).update(game_view.status_text(self.state, self.controls, self.title, cols))
 
+    async def on_event(self, event: TextualEvent) -> None:
+        """Read a key that no widget has the focus for at once: the next may be for the prompt that it opens.
+
+        Otherwise keys that come in a burst are on their way through the screen while the prompt takes the focus, and
+        the first of them are lost.
+        """
+        read_here = isinstance(event, Key) and not event.is_forwarded and event.key not in PRIORITY_KEYS
+        if read_here and self.focused is None:
+            assert isinstance(event, Key)
+            self.on_key(event)
+        else:
+            await super().on_event(event)
+
     def on_key(self, event: Key) -> None:
         """Do what a key asks for, unless the prompt has it."""
         prompt, help_ = self.query_one("#prompt", Input), self.query_one("#help")
@@ -248,7 +265,7 @@ class PlayScreen(App[None], inherit_bindings=False):
             prompt.value = ""
             prompt.display = True
             self.query_one("#hint").display = False
-            prompt.focus()
+            self.screen.set_focus(prompt)
 
     def _close_prompt(self) -> None:
         self.set_focus(None)

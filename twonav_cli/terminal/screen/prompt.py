@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from twonav_cli.errors import TwonavError, unknown_name
+from twonav_cli.learner.agent import NAME_LETTERS
 from twonav_cli.maze import Action
 from twonav_cli.terminal.commands import AddGoal, Command, GoTo, Kidnap, Move, Pause, Quit, SingleStep, Speed
 
@@ -30,6 +32,9 @@ WORDS: dict[str, Command] = {
 VOCABULARY = (*WORDS, "speed", "goals", "goal add", "help")
 
 GOING = ("go", "goto", "goal")
+
+GOAL_NAME = re.compile(rf"(?=.{{1,{NAME_LETTERS}}}$)\w(?:[\w-]*\w)?")
+"""What `Agent.add_goal` takes, but that a space ends a word here."""
 
 
 @dataclass(frozen=True)
@@ -66,12 +71,20 @@ def read_prompt(typed: str, goals: Sequence[str], new_goals: Sequence[str] = ())
         wanted = " ".join(words[2:] if words[1:2] == ["to"] else words[1:])
         goal = _goal_named(wanted, goals)
         if goal is None:
-            raise unknown_name("goal", wanted, goals)
+            raise _unknown("goal", wanted, goals)
     if goal is not None:
         return GoTo(goal)
     if len(words) == 1 and words[0] in WORDS:
         return WORDS[words[0]]
-    raise unknown_name("goal or command", typed.strip(), (*goals, *VOCABULARY))
+    raise _unknown("goal or command", typed.strip(), (*goals, *VOCABULARY))
+
+
+def _unknown(kind: str, typed: str, known: Sequence[str]) -> TwonavError:
+    """Return the error for a word that is none of the known; what was typed comes last, for a narrow screen cuts it."""
+    begun = [word for word in known if typed and word.lower().startswith(_plain(typed))]
+    near = begun or difflib.get_close_matches(typed.lower(), [word.lower() for word in known], n=1, cutoff=0.5)
+    advice = f"did you mean {' or '.join(map(repr, near))}?" if near else "type `goals` or `help` to see what there is:"
+    return TwonavError(f"{advice} no {kind} is called {typed!r}")
 
 
 def _new_goal(words: Sequence[str], goals: Sequence[str]) -> AddGoal:
@@ -82,9 +95,11 @@ def _new_goal(words: Sequence[str], goals: Sequence[str]) -> AddGoal:
         )
     name = words[0]
     if name.lower() in {word.split()[0] for word in (*VOCABULARY, *GOING)}:
-        raise TwonavError(f"{name!r} is a command: choose another name for the goal")
+        raise TwonavError(f"a goal cannot be called as a command is: choose another name than {name!r}")
     if _plain(name) in {_plain(goal) for goal in goals}:
-        raise TwonavError(f"there is a goal {name!r} already: choose another name")
+        raise TwonavError(f"there is such a goal already: choose another name than {name!r}")
+    if not GOAL_NAME.fullmatch(name):
+        raise TwonavError(f"a goal's name has up to {NAME_LETTERS} letters and digits, - or _ between: not {name!r}")
     return AddGoal(name, *(_metres(word) for word in words[1:]))
 
 
@@ -94,7 +109,7 @@ def _metres(word: str) -> float:
     except ValueError:
         metres = math.nan
     if not math.isfinite(metres):
-        raise TwonavError(f"{word!r} is not a number of metres: type `goal add plant 3.2 1.5`")
+        raise TwonavError(f"x and y are numbers of metres, as in `goal add plant 3.2 1.5`: not {word!r}")
     return metres
 
 

@@ -40,9 +40,21 @@ tab         what the colours show: values, TD errors, visits
 1-9, 0      look at another goal's table; the key again, or esc: back
 q, ctrl-c   stop and save; train --resume goes on from there
 
+"""
+
+HELP_IN_COLOUR = """\
 maze        ● (or a white square) the agent, behind it its trail; S where
             the trial began; 1 2 3 the goals, the current one on white;
             arrows: the best action known so far
+"""
+
+HELP_IN_CHARACTERS = """\
+maze        # walls; @ the agent, * its trail; S where the trial began; 1 2 3
+            the goals; . : - = + the scale from low to high; blank: untried;
+            ^ v < >: the best action known so far, where there is room
+"""
+
+HELP_NUMBERS = """\
 TD error    how far the values were off at the latest visit, squared, mean
             over the maze; the agent turns to the goal that is furthest off
 floor       what it costs to prove all goals learned if every way is known"""
@@ -95,7 +107,8 @@ class WatchScreen(App[None], inherit_bindings=False):
         yield Static(id="numbers")
         yield Static(id="hint")
         yield Static(id="status")
-        yield Static(HELP_TEXT, id="help", markup=False)
+        maze = HELP_IN_COLOUR if self._coloured else HELP_IN_CHARACTERS
+        yield Static(HELP_TEXT + maze + HELP_NUMBERS, id="help", markup=False)
 
     def on_mount(self) -> None:
         """Begin, and catch the signals that would leave the terminal as it is."""

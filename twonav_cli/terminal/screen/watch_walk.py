@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
 
 from twonav_cli.events import Event, GoalChosen, GoalLearned, RunEnded, Sink, to_all
 from twonav_cli.experiments.learning_progress import LearningOutcome, clock_of
-from twonav_cli.experiments.maze_learning import MazeLearning
+from twonav_cli.experiments.maze_learning import TRIALS_PER_BATCH, MazeLearning
 from twonav_cli.learner.agent import Agent
 from twonav_cli.learner.maze_kernel import Columns
+from twonav_cli.learner.maze_loop import replay_of
 from twonav_cli.maze import Maze
 from twonav_cli.terminal.screen.watch_keys import END, GOAL, TRIAL
 from twonav_cli.terminal.screen.watch_state import TRAIL_CELLS, Trial, Walked
@@ -24,7 +26,15 @@ class Walk:
     The last actions of a call are taken one at a time, so that the cells that they lead through are known.
     """
 
-    def __init__(self, agent: Agent, maze: Maze, seed: int, sink: Sink) -> None:
+    def __init__(
+        self,
+        agent: Agent,
+        maze: Maze,
+        seed: int,
+        sink: Sink,
+        save_due: Callable[[], bool] = lambda: False,
+        save: Callable[[], None] = lambda: None,
+    ) -> None:
         """Begin a run, or go on with one; nothing happens yet.
 
         Args:
@@ -32,12 +42,15 @@ class Walk:
             maze: The agent's.
             seed: Of a run that begins.
             sink: Gets what it would get without a screen.
+            save_due: Asked often.
+            save: Writes the agent; called when it is due, at the end of a trial, and when the run is over.
 
         Raises:
             TwonavError: The agent does not fit the maze, or a goal cannot be reached.
         """
         self.agent, self.maze = agent, maze
         self.learning = MazeLearning(agent, maze, seed, to_all(sink, self._note))
+        self._save_due, self._save = save_due, save
         self._start_names = list(maze.starts)
         self._happened: list[Event] = []
 
@@ -88,17 +101,26 @@ class Walk:
         progress, before = self.agent.progress, self.agent.progress.step
         self.learning.choose_goal()
         place, goal = len(self._happened), progress.goal
-        made = self.learning.advance(actions)
+        due = self._save_due()
+        made = self.learning.advance(actions, 1 if due else TRIALS_PER_BATCH)
         trials = self._trials_of(made.rows, goal)
         walked = Walked(
             clock_of(self.agent), made.cell, made.start, made.steps_in_trial, trials, self.agent.temperature
         )
         self._happened.insert(place, walked)
+        if (due or self.over) and not self.learning.loop.in_trial:
+            self._save_agent()
         if self.over:
             self._happened.append(RunEnded(walked.clock, self.learning.outcome))
         elif made.learned:
             self._go(0)
         return progress.step - before
+
+    def _save_agent(self) -> None:
+        """Save the agent between two trials; the loop goes on counting experiences, so it hands over a copy."""
+        loop = self.learning.loop
+        self.agent.replay = replay_of(loop.tables.counts, loop.ways, self.maze.cols)
+        self._save()
 
     def _trials_of(self, rows: Columns, goal: int) -> tuple[Trial, ...]:
         shortest = self.learning.loop.ways.shortest
