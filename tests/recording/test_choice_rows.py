@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from recorded_rows import batches_of, column, record
+from rerun.chunk import RrdReader
 
 from twonav_cli.events import Clock, Event, GoalAdded, GoalChosen, GoalLearned, RunStarted, StepTaken, TrialBatch
 from twonav_cli.grid import Cell
@@ -104,6 +105,28 @@ def test_a_goal_that_was_chosen_before_the_recording_began_goes_on(tmp_path: Pat
     assert np.ravel(column(found["/choices"], "reason")).tolist() == ["the run goes on with it"]
     assert column(found["/goals/02/sofa"], "trial") == [70, 70]
     assert np.ravel(column(found["/state/goal"], "StateChange:state")).tolist() == ["sofa"]
+
+
+def test_wherever_a_recording_is_cut_no_trial_comes_before_the_choice_of_its_goal(tmp_path: Path) -> None:
+    goals = {str(i): Cell(0, i) for i in range(4)}
+    maze = Maze(np.zeros((2, 4), dtype=np.bool_), goals, {"door": Cell(1, 3)})
+    sent: list[Event] = [RunStarted(Clock(), "train", "maze", "rooms", 0, maze=maze)]
+    for i in range(4):
+        sent += [chosen(20 * i, str(i), [9.0] * 4, [other < i for other in range(4)]), trials(20 * i + 1, 20, i, 4)]
+        sent += [GoalLearned(Clock(20 * i + 20, 200 * i + 200), str(i))]
+    told: dict[str, list[str]] = {"/choices": [], "/learned": []}
+    ended, summed = list[str](), 0
+    for chunk in RrdReader(str(record(tmp_path / "run.rrd", "maze", sent))).stream():
+        if chunk.entity_path in told:
+            told[chunk.entity_path] += np.ravel(column([chunk], "goal")).tolist()
+        if chunk.entity_path == "/trials":
+            ended += np.ravel(column([chunk], "goal")).tolist()
+        if chunk.entity_path == "/totals":
+            summed = int(np.sum(column([chunk], "reached")[-1]))
+            assert summed == len(ended)
+        assert set(ended) <= set(told["/choices"])
+        assert set(ended) <= set(told["/learned"])
+    assert summed == len(ended) == 80
 
 
 def test_a_goal_that_a_person_asks_for_needs_no_numbers(tmp_path: Path) -> None:

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from rerun.chunk import LazyChunkStream, RrdReader
 
-from twonav_cli.events import Clock, GoalChosen, GoalLearned, RunStarted, TrialBatch
+from twonav_cli.events import Clock, Event, GoalAdded, GoalChosen, GoalLearned, RunEnded, RunStarted, TrialBatch
 from twonav_cli.maze import Cell, Maze
 from twonav_cli.recording.recorder import Recorder
 from twonav_cli.recording.trained_goals import TrainedGoal
 from twonav_cli.terminal.console import out
-from twonav_cli.terminal.inspect import run_inspect, why_chosen
+from twonav_cli.terminal.inspect import because, run_inspect
 
 MAZE = Maze(np.zeros((2, 4), dtype=np.bool_), {"bed": Cell(0, 0), "sofa": Cell(1, 3)}, {"door": Cell(0, 3)})
+
+STARTED = RunStarted(Clock(), "train", "maze", "rooms", 0, maze=MAZE)
 
 
 def trials(first: int, count: int, goal: int) -> TrialBatch:
@@ -32,7 +37,7 @@ def trials(first: int, count: int, goal: int) -> TrialBatch:
 def path(tmp_path: Path) -> Path:
     path, reason = tmp_path / "run.rrd", "its TD error is the largest"
     with Recorder(path, "maze") as recorder:
-        recorder(RunStarted(Clock(), "train", "maze", "rooms", 0, maze=MAZE))
+        recorder(STARTED)
         recorder(GoalChosen(Clock(), "sofa", reason, np.array([1e4, 2e4]), np.array([False, False])))
         recorder(trials(1, 30, 1))
         recorder(GoalLearned(Clock(30, 15000), "sofa"))
@@ -41,17 +46,51 @@ def path(tmp_path: Path) -> Path:
     return path
 
 
-def test_every_goal_is_listed_with_its_trials_its_reason_and_when_it_was_learned(
-    path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def record(path: Path, sent: Iterable[Event]) -> Path:
+    with Recorder(path, "maze") as recorder:
+        for event in sent:
+            recorder(event)
+    return path
+
+
+def without_the_choice_of(goal: str, path: Path) -> Path:
+    """Write a recording again without a chunk, as if it had been killed before, and return the new file."""
+    reader, cut = RrdReader(str(path)), path.with_name(f"cut-{path.name}")
+    (store,) = reader.recordings()
+    chunks = list(reader.stream())
+    kept = [chunk for chunk in chunks if chunk.entity_path != "/choices" or goals_of(chunk) != [[goal]]]
+    assert len(kept) == len(chunks) - 1
+    stream = LazyChunkStream.from_iter(kept)
+    stream.write_rrd(cut, application_id=store.application_id, recording_id=store.recording_id)
+    return cut
+
+
+def goals_of(chunk: Any) -> list[list[str]]:
+    goals: list[list[str]] = chunk.to_record_batch()["goal"].to_pylist()
+    return goals
+
+
+@pytest.fixture(autouse=True)
+def _wide(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setenv("COLUMNS", "200")
     out.cache_clear()
-    assert run_inspect(path, as_json=False) == 0
+    yield
     out.cache_clear()
-    lines = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
-    sofa = "1 sofa 1 to 30 30 15,000 after action 15,000 its TD error is the largest (20,000; bed 10,000)"
+
+
+def told(path: Path, capsys: pytest.CaptureFixture[str]) -> list[str]:
+    """Return the lines that are printed of a recording, without their padding."""
+    assert run_inspect(path, as_json=False) == 0
+    return [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+
+
+def test_every_goal_is_listed_with_its_trials_its_reason_and_when_it_was_learned(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lines = told(path, capsys)
+    sofa = "1 sofa 1 to 30 30 15,000 after action 15,000 its TD error is the largest (20,000; that of bed is 10,000)"
     assert sofa in lines
-    assert "2 bed 31 to 42 12 6,000 no its TD error is the largest (7.25)" in lines
+    assert "2 bed 31 to 42 12 6,000 no its TD error is the largest (7.25, and no other goal is left)" in lines
     assert "trials that did not reach their goal, the last ones: 1, 31" in lines
     assert "(the last 10 of 42 recorded trials)" in lines
 
@@ -64,6 +103,41 @@ def test_programs_get_the_same_goals_as_json(path: Path, capsys: pytest.CaptureF
     assert (bed["rival"], bed["rival_td_error"], bed["learned_at_trial"]) == ("", None, None)
 
 
+def test_a_recording_whose_last_choice_was_lost_says_so(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    lines = told(without_the_choice_of("bed", path), capsys)
+    assert "2 bed 31 to 42 12 6,000 no why it was chosen was not written" in lines
+    assert any(line.startswith("1 sofa 1 to 30 30 15,000 after action 15,000 its TD") for line in lines)
+
+
+def test_equal_td_errors_are_called_equal(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    chosen = GoalChosen(Clock(), "bed", "its TD error is the largest", np.full(2, 1e4), np.zeros(2, dtype=np.bool_))
+    lines = told(record(tmp_path / "run.rrd", [STARTED, chosen, trials(1, 3, 0)]), capsys)
+    assert any("its TD error is the largest (10,000, as that of sofa; the first of equals)" in line for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("ended", "said"),
+    [
+        ([RunEnded(Clock(42, 900), "learned")], "no trial was made: every goal was learned before"),
+        ([RunEnded(Clock(42, 900), "stopped")], "no trial was made"),
+        ([], "no trial was written"),
+    ],
+)
+def test_a_run_without_trials_says_why(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], ended: list[Event], said: str
+) -> None:
+    begun = RunStarted(Clock(42, 900), "train", "maze", "rooms", 0, maze=MAZE)
+    assert said in told(record(tmp_path / "run.rrd", [begun, *ended]), capsys)
+
+
+def test_a_goal_that_was_added_is_mentioned(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    begun = RunStarted(Clock(), "play", "maze", "rooms", 0, maze=MAZE)
+    sent = [begun, GoalAdded(Clock(2, 25), "plant", Cell(1, 1)), GoalAdded(Clock(4, 60), "tv", Cell(0, 2))]
+    lines = told(record(tmp_path / "run.rrd", sent), capsys)
+    assert "goal plant was added in cell (1, 1) at trial 2" in lines
+    assert "goal tv was added in cell (0, 2) at trial 4" in lines
+
+
 def test_a_goal_without_numbers_has_only_its_reason() -> None:
     turn = TrainedGoal("bed", 5, 9, 5, 50, "the run goes on with it", None, "", None, None, None)
-    assert why_chosen(turn) == "the run goes on with it"
+    assert because(turn) == "the run goes on with it"

@@ -112,8 +112,8 @@ def test_a_table_fits_80_columns_and_is_written_beside_its_picture(run: Run, tmp
 def test_table_5_shows_the_papers_figures_errata_floor_excess_and_settings(run: Run) -> None:
     out = " ".join(run("table5", "--mazes", "2").out.split())
     for expected in ("201", "84", "(a) multi: Maze 5 prints 10k", "floor", "excess", "discount 0.99", "T 2", "Q0 80",
-                     "trial limit 500", "replay period 500", "T cools per-goal", "50 successes in a row", "2 random mazes, 10 repeats",
-                     "seed 0", "python ", "numba "):  # fmt: skip
+                     "trial limit 500", "replay period 500", "T cools per-goal", "50 successes in a row",
+                     "2 random mazes, 10 repeats", "seed 0", "python ", "numba "):  # fmt: skip
         assert expected in out
 
 
@@ -162,6 +162,11 @@ def test_runs_that_gave_up_are_named_and_have_no_mean(run: Run, monkeypatch: pyt
         (["table5", "--discount", "1.5"], "discount must be at least 0 and below 1: 1.5 was given"),
         (["all", "--discount", "nan"], "discount must be at least 0 and below 1: nan was given"),
         (["table7", "--scene", "nowhere"], "unknown scene 'nowhere'"),
+        (["all", "--scene", "nowhere"], "unknown scene 'nowhere'"),
+        (["all", "--mazes", "0"], "--mazes must be at least 1"),
+        (["table5", "--scene", "nowhere"], "--scene is for table7, table8, fig8: table5 does not use it"),
+        (["sensitivity", "--scene", "apartment"], "--scene is for table7, table8, fig8: sensitivity does not use it"),
+        (["table8", "--mazes", "3"], "--mazes is for table5, table6, sensitivity: table8 does not use it"),
     ],
 )
 def test_a_mistake_is_one_line(run: Run, arguments: list[str], complaint: str) -> None:
@@ -225,3 +230,41 @@ def test_ctrl_c_ends_the_workers_and_leaves_no_trace(tmp_path: Path) -> None:
     assert "Traceback" not in err
     assert "nothing is written of table5" in err
     assert list((tmp_path / "out").iterdir()) == []
+
+
+@pytest.mark.usefixtures("small_scene")
+@pytest.mark.parametrize(("scene", "said"), [("kitchen", True), ("apartment", False)])
+@pytest.mark.parametrize("name", ["table7", "table8"])
+def test_another_scene_is_not_the_papers_and_that_is_said(run: Run, name: str, scene: str, said: bool) -> None:
+    out = run(name, "--repeats", "2", "--scene", scene).out
+    assert ("the paper's figures are of its own apartment, with 10 goals" in out.splitlines()) == said
+
+
+@pytest.mark.usefixtures("small_scene")
+@pytest.mark.parametrize("name", TABLES)
+def test_one_run_has_no_interval_and_is_drawn_all_the_same(run: Run, tmp_path: Path, name: str) -> None:
+    ended = run(name, "--repeats", "1", "--out", tmp_path / "out")
+    assert ended.code == 0
+    report = json.loads((tmp_path / "out" / f"{name}.json").read_text())
+    assert all(row["ci95"] == [None, None] for row in report["ours"].values())
+    assert "None" not in ended.out
+    assert "–" not in ended.out.replace("2011–", "")
+
+
+def test_one_maze_and_one_repeat_are_singular(run: Run) -> None:
+    assert "1 random maze, 1 repeat, seed 0" in " ".join(run("table5", "--mazes", "1", "--repeats", "1").out.split())
+
+
+@pytest.mark.parametrize(
+    ("table", "kept"),
+    [("table5", "stopping: nothing is kept"), ("all", "stopping: tables that are finished are kept")],
+)
+def test_stopping_promises_what_it_keeps(run: Run, monkeypatch: pytest.MonkeyPatch, table: str, kept: str) -> None:
+    def interrupted(*_: Any) -> list[LearningRun]:
+        os.kill(os.getpid(), signal.SIGINT)
+        raise StoppedError
+
+    monkeypatch.setattr(reproduce, "make_runs", interrupted)
+    ended = run(table, "--mazes", "1")
+    assert ended.code == 130
+    assert kept in ended.err

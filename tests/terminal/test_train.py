@@ -16,6 +16,7 @@ from twonav_cli.errors import TwonavError
 from twonav_cli.learner.agent import Agent
 from twonav_cli.learner.learners import LEARNERS, learner_settings
 from twonav_cli.random_maze import random_maze
+from twonav_cli.terminal import train_maze
 from twonav_cli.terminal.choices import check_choices
 from twonav_cli.terminal.learning_choices import LearningChoices
 from twonav_cli.terminal.train import TrainRequest
@@ -46,8 +47,8 @@ def settings_in(folder: Path) -> dict[str, Any]:
         (["--discount", "nan"], "discount must be"),
         (["--temperature", "0"], "temperature must be at least 1e-06: 0.0 was given"),
         (["--temperature", "inf"], "temperature must be at least 1e-06"),
-        (["--initial-q", "inf"], "initial q must be a finite number"),
-        (["--initial-q", "nan"], "initial q must be a finite number"),
+        (["--initial-q", "inf"], "initial q must be between"),
+        (["--initial-q", "nan"], "initial q must be between"),
         (["--learner", "mutli"], "did you mean 'multi'.*nearest-untried"),
         (["--preset", "paper-mase"], "did you mean 'paper-maze'.*Known: maze, paper-maze"),
         (["--preset", "3d"], "Known: maze, paper-maze"),
@@ -82,6 +83,24 @@ def test_what_cannot_be_is_one_line_and_nothing_is_trained(
 def test_other_stages_refuse_the_options_of_the_maze(twonav: Twonav, stage: str, arguments: list[str]) -> None:
     complaint = twonav("train", "--stage", stage, *arguments).complaint
     assert f"{arguments[0]} is for --stage maze only" in complaint
+
+
+@pytest.mark.parametrize(
+    ("stage", "arguments", "said"),
+    [
+        ("maze", ["--images", "5"], "--images is for --stage localizer only"),
+        ("3d", ["--images", "5"], "--images is for --stage localizer only"),
+        ("maze", ["--base", "omni"], "--base is for --stage 3d only"),
+        ("localizer", ["--base", "differential"], "--base is for --stage 3d only"),
+    ],
+)
+def test_a_stage_refuses_what_it_does_not_use(twonav: Twonav, stage: str, arguments: list[str], said: str) -> None:
+    assert said in twonav("train", "--stage", stage, *arguments).complaint
+
+
+def test_the_command_of_3d_names_the_base_that_was_used() -> None:
+    assert TrainRequest("3d").command().endswith("--base omni")
+    assert TrainRequest("3d", base="differential").command().endswith("--base differential")
 
 
 def test_a_negative_random_maze_is_wrong_usage(twonav: Twonav) -> None:
@@ -192,12 +211,12 @@ def test_a_random_maze_is_learned_and_its_agent_belongs_to_no_scene(twonav: Twon
     ended = twonav(*TRAIN, "--random-maze", "3", "--seed", "1", "--json")
     report = ended.only_object()
     assert (ended.code, report["scene"], report["goals_learned"]) == (0, "random-3", 10)
-    folder = runs / "random-3" / "maze"
+    folder = runs / "random-1-3" / "maze"
     card = read_card(folder)
     assert (card["scene"], card["random_maze"], card["seed"]) == ("random-3", 3, 1)
     Agent.load(folder).check_fits(random_maze(1, 3))
     for scene in ("apartment", "kitchen"):
-        ended = twonav("evaluate", "--stage", "maze", "--scene", scene, "--checkpoints", runs / "random-3")
+        ended = twonav("evaluate", "--stage", "maze", "--scene", scene, "--checkpoints", runs / "random-1-3")
         assert "was made for another scene" in ended.complaint
 
 
@@ -215,3 +234,65 @@ def test_a_run_in_a_random_maze_is_recorded_with_its_settings(twonav: Twonav, tm
     assert twonav(*train, "--out", tmp_path / "a").code == 0
     assert "train of scene random-0, stage maze, seed 0: learned" in twonav("inspect", path).out
     assert json.loads(twonav("inspect", path, "--json").out)["scene"] == "random-0"
+
+
+# What was learned is not lost
+
+
+@pytest.mark.parametrize("place", [["--scene", "kitchen"], ["--random-maze", "0"]])
+def test_a_folder_that_cannot_be_written_is_said_before_anything_is_learned(
+    twonav: Twonav, tmp_path: Path, place: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def not_called(*_: Any) -> None:
+        raise AssertionError("something was learned")
+
+    monkeypatch.setattr(train_maze, "learn_maze", not_called)
+    (tmp_path / "file").write_text("in the way")
+    assert "name another --out" in twonav(*TRAIN, *place, "--out", tmp_path / "file" / "out").complaint
+
+
+def test_a_run_that_has_learned_everything_is_left_as_it_is_and_not_recorded(
+    twonav: Twonav, tmp_path: Path, runs: Path
+) -> None:
+    run = ["train", "--stage", "maze", "--scene", "kitchen", "--out", tmp_path / "a"]
+    assert twonav(*run, "--no-record").code == 0
+    before = {path.name: (path.stat().st_mtime_ns, path.read_bytes()) for path in (tmp_path / "a").iterdir()}
+    ended = twonav(*run, "--resume")
+    assert ended.code == 0
+    assert "already learned: nothing left to do" in ended.err
+    assert "done" not in ended.err
+    assert before == {path.name: (path.stat().st_mtime_ns, path.read_bytes()) for path in (tmp_path / "a").iterdir()}
+    assert not (runs / "recordings").exists()
+
+
+def test_the_same_number_of_another_seed_is_another_maze_with_a_folder_of_its_own(twonav: Twonav, runs: Path) -> None:
+    for seed in ("0", "1"):
+        assert twonav(*TRAIN, "--random-maze", "3", "--seed", seed).code == 0
+    assert [read_card(runs / f"random-{seed}-3" / "maze")["seed"] for seed in (0, 1)] == [0, 1]
+
+
+def test_an_unfinished_run_of_other_settings_is_not_written_over(
+    twonav: Twonav, runs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stopped_at_once(*arguments: Any) -> Any:
+        return learn_maze(*arguments[:-1], lambda: True)
+
+    learn_maze = train_maze.learn_maze
+    monkeypatch.setattr(train_maze, "learn_maze", stopped_at_once)
+    assert twonav(*IN_KITCHEN, "--discount", "0.9").code == 130
+    before = (runs / "kitchen" / "maze" / "card.json").read_bytes()
+    complaint = twonav(*IN_KITCHEN, "--discount", "0.8").complaint
+    assert "an unfinished run of other settings is in" in complaint
+    assert "--discount 0.9 --resume" in complaint
+    assert (runs / "kitchen" / "maze" / "card.json").read_bytes() == before
+    monkeypatch.setattr(train_maze, "learn_maze", learn_maze)
+    assert twonav(*IN_KITCHEN, "--discount", "0.8", "--out", tmp_path / "a").code == 0
+    assert twonav(*IN_KITCHEN, "--discount", "0.9", "--resume").code == 0
+    assert twonav(*IN_KITCHEN, "--discount", "0.8").code == 0, "a finished run is replaced as before"
+
+
+def test_a_run_into_a_pipe_ends_with_whole_lines(twonav: Twonav, tmp_path: Path) -> None:
+    err = twonav(*IN_KITCHEN, "--out", tmp_path / "a").err
+    assert "done:" in err
+    assert "…" not in err
+    assert "━" not in err

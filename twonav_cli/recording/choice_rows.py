@@ -15,7 +15,7 @@ from twonav_cli.recording.flight import Detail
 from twonav_cli.recording.goal_list import GoalList
 from twonav_cli.recording.palette import LEARNED_COLOUR, WAITING_COLOUR, goal_colours, packed
 from twonav_cli.recording.rrd_file import RrdFile
-from twonav_cli.recording.trained_goals import apart, plain
+from twonav_cli.recording.trained_goals import plain, why_chosen
 
 WAITING, CURRENT, LEARNED = "waiting", "current", "learned"
 """States of a goal: a lane each in the viewer."""
@@ -38,15 +38,9 @@ def choice_sentence(event: GoalChosen, goals: GoalList) -> str:
     """Return which goal was chosen, by which rule, and the numbers behind it."""
     if event.learned is None or event.td_errors is None or event.goal not in goals:
         return f"goal {event.goal}: {event.reason}"
-    said = f"after {event.clock.trial} trials, goal {event.goal}: {event.reason}"
     own, rival = float(event.td_errors[goals.names.index(event.goal)]), rival_of(event, goals)
-    if rival is None:
-        return f"{said} ({plain(own)}, and no other goal is left)"
-    other = float(event.td_errors[rival])
-    if other == own:
-        return f"{said} ({plain(own)}, as that of {goals.name_of(rival)}; the first of equals)"
-    mine, next_largest = apart(own, other)
-    return f"{said} ({mine}; that of {goals.name_of(rival)} is {next_largest})"
+    other = None if rival is None else (goals.name_of(rival), float(event.td_errors[rival]))
+    return f"after {event.clock.trial} trials, goal {event.goal}: {why_chosen(event.reason, own, other)}"
 
 
 class ChoiceRows:
@@ -169,6 +163,8 @@ class ChoiceRows:
             self._file.always(f"{entity}/goal_{index:02d}", line)
         said = f"goal {event.name} was added in cell {tuple(event.cell)}"
         self._file.put("log", ("INFO", said), event.clock, Detail.TRIAL)
+        row = {"goal": event.name, "row": event.cell.row, "col": event.cell.col, "at_trial": event.clock.trial}
+        self._file.put("added", row, event.clock, Detail.TRIAL)
 
 
 def _lane(index: int, name: str) -> str:

@@ -319,6 +319,7 @@ COLUMNS: dict[str, Callable[[Sequence[Any]], Filled]] = {
     "trials": _rows("trials"),
     "choices": _rows("choices"),
     "learned": _rows("learned"),
+    "added": _rows("added"),
     "table": table_columns,
     "step/q": _scalars("metrics/q_values"),
     "step/td_error": _goal_curves("metrics/td_error"),

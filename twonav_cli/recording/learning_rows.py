@@ -26,6 +26,8 @@ FloatArray = NDArray[np.float64]
 ROWS_PER_DOUBLING = 10_000
 BATCH_TRIALS = 1000
 """Compiled trials that are collected before they are written."""
+STORY = ("choices", "learned", "log")
+"""Tracks that are written before trials, all at level TRIAL: what a killed run leaves of them is never older."""
 SHARE_TRIALS = 20
 """Trials over which the share of successes is taken."""
 TABLE_TRIALS = 30
@@ -149,6 +151,7 @@ class LearningRows:
         before = batch.clock.trial - len(batch.steps)
         clocks = [Clock(before + 1 + int(i), int(batch.last_step[i]), batch.clock.time_s) for i in last]
         self._rows += len(last)
+        self._file.ship_first(STORY)
         send = self._file.send
         powers = log10_error(batch.td_errors[last])
         for entity, curves in curves_of_goals("learning/td_error", self._goals.at_start, powers):
@@ -185,7 +188,8 @@ class LearningRows:
             counts = np.bincount(batch.goal, weights=weights.astype(np.float64), minlength=goals)
             self._compiled[row] += counts[:goals].astype(np.int64)
         sums: dict[str, Any] = dict(zip(TOTALS, self._compiled.copy(), strict=True))
-        self._file.now("totals", rr.AnyValues(**sums), clock)
+        # As columns, which go out at once: a row of `now` waits, and would be lost when the run is killed.
+        self._file.send("totals", [clock], rr.AnyValues.columns(**sums).partition([goals]))
         self._show_totals(clock)
 
     def _show_totals(self, clock: Clock) -> None:

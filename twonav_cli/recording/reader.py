@@ -14,7 +14,7 @@ from rerun.chunk import RrdReader
 
 from twonav_cli.errors import TwonavError
 from twonav_cli.recording.flight import has_failed
-from twonav_cli.recording.trained_goals import TrainedGoal, trained_goals
+from twonav_cli.recording.trained_goals import TrainedGoal, Walked, trained_goals
 
 MAGIC = b"RRF2"
 
@@ -47,6 +47,17 @@ class TrialRow:
 
 
 @dataclass(frozen=True)
+class AddedGoal:
+    """A goal that was added while the run went on."""
+
+    goal: str
+    row: int
+    col: int
+    at_trial: int
+    """The clock's trial at that moment."""
+
+
+@dataclass(frozen=True)
 class Summary:
     """What a recording holds."""
 
@@ -59,6 +70,8 @@ class Summary:
     seed: int
     settings: dict[str, str]
     goals: tuple[str, ...]
+    """Those that the run began with."""
+    added: tuple[AddedGoal, ...]
     trials: tuple[TrialRow, ...]
     counts: dict[str, int]
     """Outcome to number of trials, compiled ones included."""
@@ -109,6 +122,7 @@ def summarize(path: Path) -> Summary:
         seed=int(run["seed"]),
         settings=json.loads(run["settings"]),
         goals=goals,
+        added=tuple(AddedGoal(**row) for row in _rows(chunks.get("/added", []))),
         trials=trials,
         counts=counts,
         goal_counts=goal_counts,
@@ -142,7 +156,7 @@ def _chunks(path: Path) -> tuple[dict[str, list[Any]], bool]:
     return found, not any("footer" in str(complaint.message) for complaint in complaints)
 
 
-_READ = {"/trials", "/totals", "/choices", "/learned", "/ending", "/__properties/run"}
+_READ = {"/trials", "/totals", "/choices", "/learned", "/added", "/ending", "/__properties/run"}
 
 
 def _rows(batches: list[Any]) -> Iterator[dict[str, Any]]:
@@ -170,10 +184,12 @@ def _trial_rows(batches: list[Any]) -> tuple[TrialRow, ...]:
 
 def _learning(chunks: dict[str, list[Any]], trials: tuple[TrialRow, ...]) -> tuple[TrainedGoal, ...]:
     compiled = any(row.sampled for row in trials)
-    ends = [(row.number if compiled else row.number + 1, row.last_step) for row in trials]
+    first = 1 if compiled else 0
+    walked = [Walked(row.goal, row.number - first + 1, row.first_step, row.last_step) for row in trials]
+    ends = [(trial.trials, trial.last_step) for trial in walked]
     choices, learned = list(_rows(chunks.get("/choices", []))), list(_rows(chunks.get("/learned", [])))
     known = [(row["after_trials"], row["after_steps"]) for row in (*choices, *learned)]
-    return trained_goals(choices, learned, max([*ends, *known], default=(0, 0)), 1 if compiled else 0)
+    return trained_goals(choices, learned, walked, max([*ends, *known], default=(0, 0)), first)
 
 
 def _counts(

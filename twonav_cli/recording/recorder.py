@@ -178,7 +178,8 @@ class Recorder:
             events.StepTaken: [drive.step, self._step_taken],
             events.TrialEnded: [drive.trial_ended, learning.trial_ended, self._trial_ended],
             events.TrialBatch: [choices.batch, learning.batch],
-            events.GoalLearned: [learning.goal_learned, choices.goal_learned],
+            # Its sentence first: the trials that it ends take it along.
+            events.GoalLearned: [choices.goal_learned, learning.goal_learned],
             events.GoalAdded: [partial(self._goal_added, goals), *adding],
             events.QSnapshot: [tables.snapshot, learning.snapshot, self._between_trials],
             events.Kidnapped: [drive.kidnapped],

@@ -97,14 +97,21 @@ class RrdFile:
     def ship(self, level: Detail) -> None:
         """Write the buffered rows up to a level, forget the others, and flush."""
         for track, rows in self._rows.items():
-            kept = [row for row in rows if row[1] <= level]
-            if not kept:
-                continue
-            times = self.time_columns([clock for clock, _, _ in kept])
-            for entity, columns in COLUMNS[track]([value for _, _, value in kept]):
-                self._stream.send_columns(entity, times, columns)
+            if kept := [row for row in rows if row[1] <= level]:
+                self._write(track, kept)
         self._rows.clear()
         self._stream.flush()
+
+    def ship_first(self, tracks: tuple[str, ...]) -> None:
+        """Write the buffered rows of some tracks, of every level and without flushing, before what is sent next."""
+        for track in tracks:
+            if rows := self._rows.pop(track, []):
+                self._write(track, rows)
+
+    def _write(self, track: str, rows: list[Row]) -> None:
+        times = self.time_columns([clock for clock, _, _ in rows])
+        for entity, columns in COLUMNS[track]([value for _, _, value in rows]):
+            self._stream.send_columns(entity, times, columns)
 
     def send(self, entity: str, clocks: list[Clock], columns: Any) -> None:
         """Write ready columns at once."""

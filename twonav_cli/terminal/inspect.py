@@ -9,7 +9,7 @@ from pathlib import Path
 from rich.table import Table
 
 from twonav_cli.recording.reader import Summary, TrialRow, how_to_seek, summarize
-from twonav_cli.recording.trained_goals import TrainedGoal, apart, plain
+from twonav_cli.recording.trained_goals import TrainedGoal, why_chosen
 from twonav_cli.terminal.console import out
 
 MAX_ROWS = 100
@@ -36,8 +36,13 @@ def _print_summary(summary: Summary, file: Path) -> None:
     )
     if not summary.whole:
         console.print("the writer was interrupted: what follows is what it had written")
+    for added in summary.added:
+        where = f"goal {added.goal} was added in cell ({added.row}, {added.col}) at trial {added.at_trial}"
+        console.print(where, soft_wrap=True)
     if summary.learning:
         console.print(_goals_table(summary.learning))
+    if not summary.trials and summary.kind != "localizer":
+        console.print(no_trial(summary), soft_wrap=True)
     shown = MAX_ROWS_OF_TRAINING if summary.learning else MAX_ROWS
     if summary.trials:
         console.print(_trials_table(summary.trials[-shown:]))
@@ -57,27 +62,31 @@ def _print_summary(summary: Summary, file: Path) -> None:
     console.print(f"open it:  rerun {file}", soft_wrap=True)
 
 
+def no_trial(summary: Summary) -> str:
+    """Return why a recording has no trials, as far as it tells."""
+    if summary.ending == "learned":
+        return "no trial was made: every goal was learned before"
+    return "no trial was made" if summary.ending else "no trial was written"
+
+
 def _goals_table(goals: tuple[TrainedGoal, ...]) -> Table:
     """Return the goals in the order of training."""
     table = Table(box=None, pad_edge=False)
-    because = "chosen because (TD errors: its own; the next largest)"
-    for heading in ("", "goal", "trials", "of them", "actions", "learned", because):
+    for heading in ("", "goal", "trials", "of them", "actions", "learned", "chosen because (TD errors)"):
         table.add_column(heading, justify="right" if heading in ("of them", "actions") else "left")
     for rank, turn in enumerate(goals, start=1):
         learned = "no" if turn.learned_at_trial is None else f"after action {turn.learned_at_step:,}"
         trials = f"{turn.first_trial} to {turn.last_trial}" if turn.trials else "none"
-        table.add_row(str(rank), turn.goal, trials, str(turn.trials), f"{turn.actions:,}", learned, why_chosen(turn))
+        table.add_row(str(rank), turn.goal, trials, str(turn.trials), f"{turn.actions:,}", learned, because(turn))
     return table
 
 
-def why_chosen(turn: TrainedGoal) -> str:
-    """Return the rule's reason with the numbers behind it."""
+def because(turn: TrainedGoal) -> str:
+    """Return the rule's reason with the numbers behind it, where they are known."""
     if turn.td_error is None:
         return turn.reason
-    if turn.rival_td_error is None:
-        return f"{turn.reason} ({plain(turn.td_error)})"
-    own, other = apart(turn.td_error, turn.rival_td_error)
-    return f"{turn.reason} ({own}; {turn.rival} {other})"
+    rival = None if turn.rival_td_error is None else (turn.rival, turn.rival_td_error)
+    return why_chosen(turn.reason, turn.td_error, rival)
 
 
 def _trials_table(rows: tuple[TrialRow, ...]) -> Table:

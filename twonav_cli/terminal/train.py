@@ -52,11 +52,6 @@ class TrainRequest:
         """The scene that was named, or the usual one."""
         return self.scene or USUAL_SCENE
 
-    @property
-    def base_name(self) -> str:
-        """The base that was named, or the usual one."""
-        return self.base or USUAL_BASE
-
     def command(self) -> str:
         """Return the command that repeats this run."""
         where = ["--scene", self.scene_name] if self.random_maze is None else ["--random-maze", str(self.random_maze)]
@@ -64,7 +59,7 @@ class TrainRequest:
         if self.images is not None:
             parts += ["--images", str(self.images)]
         if self.stage == "3d":
-            parts += ["--base", self.base_name]
+            parts += ["--base", self.base or USUAL_BASE]
         parts += self.choices.arguments()
         return shlex.join(parts + (["--quick"] if self.quick else []))
 
@@ -80,7 +75,7 @@ class TrainRequest:
         Raises:
             TwonavError: Says what to leave out or to name instead.
         """
-        check_choices("train", self.stage, STAGES, base=self.base_name)
+        check_choices("train", self.stage, STAGES, base=self.base or USUAL_BASE)
         asked = [option_of(name) for name in self.choices.given()]
         asked += ["--random-maze"] * (self.random_maze is not None) + ["--watch"] * self.watch
         if asked and self.stage != "maze":

@@ -13,8 +13,8 @@ from twonav_cli.experiments.predecessors import checkpoint_folder, load_localize
 from twonav_cli.experiments.trials import learn_in_stage
 from twonav_cli.learner.agent import Agent
 from twonav_cli.mapping.floor import Floor
-from twonav_cli.terminal.learning_place import LearningPlace, place_of_floor
-from twonav_cli.terminal.train import TrainRequest
+from twonav_cli.terminal.learning_place import place_of_floor
+from twonav_cli.terminal.train import USUAL_BASE, TrainRequest
 from twonav_cli.terminal.train_agent import Saver, check_same_run, metrics_of, recorded, run_started, with_progress
 
 if TYPE_CHECKING:
@@ -70,5 +70,5 @@ def _stage(request: TrainRequest, floor: Floor) -> Sim3dStage:
     from twonav_cli.stages.sim3d_stage import Sim3dOptions
 
     localize = load_localize(floor, own_first=True)
-    options = Sim3dOptions(base=request.base_name, trace=request.recording)
+    options = Sim3dOptions(base=request.base or USUAL_BASE, trace=request.recording)
     return make_stage(floor, "3d", localize, request.seed, options)  # type: ignore[return-value]  # by name

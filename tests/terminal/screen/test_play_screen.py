@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 from fake_game import FakeGame
+from textual.events import Key
 from textual.pilot import Pilot
 from textual.widgets import Input, Static
 
@@ -221,3 +222,13 @@ def in_terminal(key: bytes) -> tuple[bytes, int]:
     finally:
         game.kill()
         os.close(leader)
+
+
+def test_keys_that_come_in_a_burst_lose_nothing_to_the_prompt_that_opens() -> None:
+    async def body(app: PlayScreen, game: FakeGame, pilot: Pilot[None]) -> None:
+        for character in "ggoal add x 1 2":
+            app.post_message(Key(character, character))
+        await until(lambda: app.query_one("#prompt", Input).value == "goal add x 1 2", pilot)
+        await pilot.press("enter")
+
+    assert [c for c in on_screen(body).asked if not isinstance(c, Quit)] == [AddGoal("x", 1.0, 2.0)]

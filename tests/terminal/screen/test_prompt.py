@@ -54,13 +54,16 @@ def test_a_beginning_of_two_goals_is_neither() -> None:
         ("goal add", "type `goal add plant 3.2 1.5`"),
         ("goal add plant 3.2", "type `goal add plant 3.2 1.5`"),
         ("goal add plant 3.2 1.5 0", "type `goal add plant 3.2 1.5`"),
-        ("goal add plant 3.2 m", "'m' is not a number of metres"),
-        ("goal add plant nan 1", "'nan' is not a number of metres"),
-        ("goal add Kitchen 3.2 1.5", "already"),
+        ("goal add plant 3.2 m", "numbers of metres.*not 'm'"),
+        ("goal add plant nan 1", "numbers of metres.*not 'nan'"),
+        ("goal add Kitchen 3.2 1.5", "already: .* 'Kitchen'$"),
         ("goal add living_room", "already"),
-        ("goal add Speed", "'Speed' is a command"),
-        ("goal add go 1 1", "'go' is a command"),
-        ("goal add goal", "'goal' is a command"),
+        ("goal add Speed", "cannot be called as a command is.*'Speed'$"),
+        ("goal add go 1 1", "cannot be called as a command is"),
+        ("goal add goal", "cannot be called as a command is"),
+        (f"goal add {'x' * 41}", "^a goal's name has up to 40 letters and digits, - or _ between: not 'xxx"),
+        ("goal add plant! 1 1", "^a goal's name has up to 40 letters and digits, - or _ between: not 'plant!'"),
+        ("goal add -plant 1 1", "^a goal's name has up to 40"),
     ],
 )
 def test_a_new_goal_that_cannot_be_is_answered_in_one_line(typed: str, why: str) -> None:
@@ -93,3 +96,12 @@ def test_scripted_keys_are_characters_and_names() -> None:
 def test_an_unknown_key_is_refused(script: str) -> None:
     with pytest.raises(TwonavError, match="unknown key"):
         read_keys(script)
+
+
+@pytest.mark.parametrize("typed", ["x" * 200, f"go {'x' * 200}", f"goal add {'x' * 200}", f"goal add a 1 {'x' * 200}"])
+def test_what_to_do_stands_before_the_typed_word_where_a_narrow_screen_does_not_cut_it(typed: str) -> None:
+    with pytest.raises(TwonavError) as refused:
+        read_prompt(typed, GOALS)
+    said = str(refused.value)
+    assert 20 < said.index("xxx") < 80
+    assert said.endswith("x'")

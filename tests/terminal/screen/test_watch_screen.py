@@ -269,3 +269,43 @@ def in_terminal(key: bytes, when: bytes, folder: Path) -> tuple[bytes, int]:
     finally:
         command.kill()
         os.close(leader)
+
+
+def test_a_watched_run_that_is_killed_was_saved_on_the_way(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from twonav_cli.checkpoint import read_card
+    from twonav_cli.terminal import train_agent
+    from twonav_cli.terminal.interrupt import StopOnInterrupt
+    from twonav_cli.terminal.learning_place import place_of_random_maze
+    from twonav_cli.terminal.screen import watch_screen
+    from twonav_cli.terminal.train import TrainRequest
+    from twonav_cli.terminal.train_maze import train_maze
+
+    def killed(walk: Walk, begun: object) -> None:
+        walk.run("trial", 10.0)
+        card = read_card(tmp_path)
+        assert card["metrics"] == {"unfinished": True}
+        monkeypatch.setattr(train_agent, "SAVE_EVERY_S", 1e9)
+        walk.run("end", 60.0)
+        assert read_card(tmp_path)["metrics"]["goals_learned"] == 10
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(train_agent, "SAVE_EVERY_S", 0.0)
+    monkeypatch.setattr(watch_screen, "run_watch", killed)
+    request = TrainRequest("maze", random_maze=0, watch=True, recording=False, out=tmp_path)
+    with pytest.raises(KeyboardInterrupt):
+        train_maze(request, place_of_random_maze(0, 0), tmp_path, StopOnInterrupt())
+    assert Agent.load(tmp_path).progress.learned.all()
+
+
+@pytest.mark.parametrize("coloured", [True, False])
+def test_the_help_describes_what_the_terminal_shows(coloured: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NO_COLOR", "" if coloured else "1")
+
+    async def body(app: WatchScreen, pilot: Pilot[None]) -> None:
+        assert ("# walls; @ the agent, * its trail" in shown(app, "help")) != coloured
+        assert ("●" in shown(app, "help")) == coloured
+        await pilot.press("?")
+        await pilot.pause(0.1)
+        assert app.query_one("#help").region.height <= 24
+
+    on_screen(body)

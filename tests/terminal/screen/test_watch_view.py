@@ -77,6 +77,10 @@ def test_the_numbers_keep_to_their_space(walk, state, cols: int, rows: int) -> N
     assert all(len(line) <= max(cols, 9 + 10) for line in lines)
 
 
+def test_the_first_trial_is_counted_by_itself(walk, state) -> None:
+    assert "1 of 1 trial;" in numbers_text(replace(state, recent=(True,)), walk.agent, 78, 10).plain
+
+
 def test_the_end_of_a_trial_is_one_sentence(state) -> None:
     ended = replace(state, between=True, last_trial=Trial("s2", 31, 6, True))
     assert trial_sentence(ended).endswith("from s2 reached sofa in 31 actions, shortest way 6")

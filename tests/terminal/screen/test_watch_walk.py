@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -127,3 +128,39 @@ def test_a_run_that_is_stopped_between_two_trials_takes_no_further_action() -> N
     walk.run(TRIAL, 10.0)
     steps = walk.agent.progress.step
     assert walk.close().steps == steps > 0
+
+
+@pytest.mark.parametrize("go_on", [one_by_one, skipping, as_fast_as_it_goes, to_the_end])
+@pytest.mark.parametrize("learner", ["multi", "single"])
+def test_a_run_that_is_saved_at_every_trial_learns_the_same_and_can_be_gone_on_with(
+    tmp_path: Path, learner: str, go_on: Callable[[Walk], None]
+) -> None:
+    config, maze = replace(CONFIG, learner=learner), small_maze()
+    alone = Agent.for_maze(maze, config)
+    outcome = learn_maze(alone, maze, 0, to_nobody, lambda: False)
+    agent, saved = Agent.for_maze(maze, config), []
+
+    def save() -> None:
+        agent.save(tmp_path / str(len(saved)), CARD)
+        saved.append(agent.progress.trial)
+
+    walk = Walk(agent, maze, 0, to_nobody, lambda: len(saved) < 30 or walk.over, save)
+    while not walk.over:
+        go_on(walk)
+    assert walk.close() == outcome
+    assert np.array_equal(agent.q, alone.q)
+    assert agent.replay.counts == alone.replay.counts
+    assert saved[-1] == agent.progress.trial
+    for number in range(0, len(saved), 10):
+        again = Agent.load(tmp_path / str(number))
+        assert learn_maze(again, maze, 0, to_nobody, lambda: False) == outcome
+        assert np.array_equal(again.q, alone.q)
+
+
+def test_a_run_is_only_saved_between_two_trials() -> None:
+    saved: list[int] = []
+    agent, maze = Agent.for_maze(small_maze(), CONFIG), small_maze()
+    walk = Walk(agent, maze, 0, to_nobody, lambda: True, lambda: saved.append(walk.learning.loop.in_trial))
+    walk.take(300)
+    assert len(saved) > 2
+    assert not any(saved)

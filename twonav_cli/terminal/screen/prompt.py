@@ -81,9 +81,14 @@ def read_prompt(typed: str, goals: Sequence[str], new_goals: Sequence[str] = ())
 
 def _unknown(kind: str, typed: str, known: Sequence[str]) -> TwonavError:
     """Return the error for a word that is none of the known; what was typed comes last, for a narrow screen cuts it."""
-    begun = [word for word in known if typed and word.lower().startswith(_plain(typed))]
-    near = begun or difflib.get_close_matches(typed.lower(), [word.lower() for word in known], n=1, cutoff=0.5)
-    advice = f"did you mean {' or '.join(map(repr, near))}?" if near else "type `goals` or `help` to see what there is:"
+    by_name = {_plain(word): word for word in known}
+    begun = [name for name in by_name if typed and name.startswith(_plain(typed))]
+    near = begun or difflib.get_close_matches(_plain(typed), by_name, n=1, cutoff=0.5)
+    advice = (
+        f"did you mean {' or '.join(repr(by_name[name]) for name in near)}?"
+        if near
+        else "type `goals` or `help` to see what there is:"
+    )
     return TwonavError(f"{advice} no {kind} is called {typed!r}")
 
 

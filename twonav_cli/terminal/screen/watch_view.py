@@ -72,8 +72,8 @@ def errors_text(state: WatchState, controls: WatchControls, cols: int, rows: int
 def numbers_text(state: WatchState, agent: Agent, cols: int, rows: int) -> Text:
     """Return the numbers as labelled lines, what matters most first, as many as fit."""
     room = max(cols - LABEL_COLS, 10)
-    ended = f"{len(state.recent)} trials" if len(state.recent) > 1 else "trial alone"
-    happening = f"{sum(state.recent)} of the last {ended}" if state.recent else "no trial has ended yet"
+    of = "1 trial" if len(state.recent) == 1 else f"the last {len(state.recent)} trials"
+    happening = f"{sum(state.recent)} of {of}" if state.recent else "no trial has ended yet"
     learned = f"{len(state.learned)} of {len(state.goal_names)} goals in {state.clock.step:,} actions"
     lines = [
         ("goal", f"{called(state.goal)}: {state.why}" if state.goal else state.ended or "none chosen yet"),
