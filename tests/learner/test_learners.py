@@ -12,7 +12,6 @@ from twonav_cli.grid import Cell
 from twonav_cli.learner.agent import Agent, checked
 from twonav_cli.learner.goals import next_goal
 from twonav_cli.learner.learners import LEARNERS, learner_settings
-from twonav_cli.learner.maze_kernel import distances
 from twonav_cli.learner.maze_loop import STRATEGIES, MazeLoop, ways_of
 from twonav_cli.learner.prioritized_sweeping import WORTH_A_BACKUP
 from twonav_cli.maze import Action, Maze, distances_from
@@ -210,7 +209,9 @@ def test_distances_are_those_of_a_breadth_first_search() -> None:
     ways = ways_of(maze, MazeLoop(Agent.for_maze(maze, LearningConfig()), maze, 0).rules)
     for g, cell in enumerate(maze.goals.values()):
         assert np.array_equal(ways.distance[:, g].reshape(10, 10), distances_from(maze.blocked, cell))
-    assert np.array_equal(distances(ways.into, ways.goal_cells), ways.distance)
+        assert np.array_equal(
+            ways.shortest[:, g], [distances_from(maze.blocked, cell)[s] for s in maze.starts.values()]
+        )
 
 
 def test_what_a_target_is_made_of_follows_the_rewards() -> None:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +14,8 @@ from numpy.typing import NDArray
 from twonav_cli.config import LearningConfig
 from twonav_cli.events import Event, GoalChosen, TrialBatch
 from twonav_cli.experiments.maze_learning import MAZE_STEPS_AT_MOST, learn_maze
-from twonav_cli.grid import Cell
 from twonav_cli.learner.agent import Agent
-from twonav_cli.maze import Maze, distances_from
+from twonav_cli.maze import Maze
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -116,18 +114,8 @@ def run_learner(
 
 def shortest_ways(maze: Maze) -> IntArray:
     """Return the length of the shortest way to every goal from every start [G, S]."""
-    goals, starts = tuple(maze.goals.values()), tuple(maze.starts.values())
-    return _shortest_ways(maze.blocked.tobytes(), maze.blocked.shape, goals, starts)
-
-
-@lru_cache(maxsize=256)
-def _shortest_ways(
-    blocked: bytes, shape: tuple[int, ...], goals: tuple[Cell, ...], starts: tuple[Cell, ...]
-) -> IntArray:
-    """Search once for the hundreds of runs that a table makes in the same maze: it costs a fifth of a run."""
-    cells = np.frombuffer(blocked, dtype=np.bool_).reshape(shape)
-    rows, cols = np.array(starts).T
-    return np.array([distances_from(cells, goal)[rows, cols] for goal in goals], dtype=np.int64)
+    rows, cols = np.array(list(maze.starts.values())).T
+    return np.array([maze.distances_to(goal)[rows, cols] for goal in maze.goals.values()], dtype=np.int64)
 
 
 def _ranks(order: IntArray, goals: int) -> NDArray[np.int16]:

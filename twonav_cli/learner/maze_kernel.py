@@ -84,25 +84,6 @@ class Columns(NamedTuple):
     td_errors: FloatArray  # [n, G]
 
 
-@compiled
-def distances(into: IntArray, goal_cells: IntArray) -> IntArray:
-    """Return the length of the shortest way from every cell to every goal [N, G] (NOBODY: none), breadth first."""
-    far = np.empty((into.shape[0], goal_cells.shape[0]), dtype=np.int64)
-    far[:] = NOBODY
-    queue = np.empty(into.shape[0], dtype=np.int64)
-    for g in range(goal_cells.shape[0]):
-        queue[0], far[goal_cells[g], g], head, tail = goal_cells[g], 0, 0, 1
-        while head < tail:
-            cell = queue[head]
-            head += 1
-            for entry in into[cell]:
-                if entry != NOBODY and far[entry // ACTIONS, g] == NOBODY:
-                    far[entry // ACTIONS, g] = far[cell, g] + 1
-                    queue[tail] = entry // ACTIONS
-                    tail += 1
-    return far
-
-
 @inlined
 def value_of(q: FloatArray, cell: Any, g: Any) -> Any:
     """Return the value of a goal in a cell, that of its best action; indices with or without a sign."""

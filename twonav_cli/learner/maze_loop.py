@@ -32,7 +32,6 @@ from twonav_cli.learner.maze_kernel import (
     Rules,
     Tables,
     Ways,
-    distances,
 )
 from twonav_cli.learner.maze_trials import run_trials
 from twonav_cli.learner.nearest_untried import plan
@@ -92,7 +91,8 @@ def ways_of(maze: Maze, rules: Rules) -> Ways:
         into[bumps, ACTIONS + action] = bumps * ACTIONS + action
     goal_cells = np.array([numbers[cell] for cell in maze.goals.values()])
     start_cells = np.array([numbers[cell] for cell in maze.starts.values()], dtype=np.int64)
-    distance = distances(into, goal_cells)
+    to_goals = np.stack([maze.distances_to(cell).reshape(-1) for cell in maze.goals.values()], axis=1)
+    distance = np.ascontiguousarray(to_goals, dtype=np.int64)
     reward, discount = np.full((cells + 1, len(goal_cells)), rules.reward_step), np.full(distance.shape, rules.discount)
     reward[goal_cells, range(len(goal_cells))], discount[goal_cells, range(len(goal_cells))] = rules.reward_goal, 0.0
     reward[cells] = rules.reward_blocked
@@ -262,9 +262,13 @@ class MazeLoop:
         progress.trials_of_goal[progress.goal] += ended
         progress.steps_of_goal[progress.goal] += progress.step - steps_before
 
+    def hand_over_replay(self) -> None:
+        """Give the agent what was counted so far, so that it can be saved; the loop may go on."""
+        self.agent.replay = replay_of(self.tables.counts, self.ways, self.maze.cols)
+
     def close(self) -> None:
         """Hand the counted experiences back to the agent; what was put away stays of use for new goals."""
-        self.agent.replay = replay_of(self.tables.counts, self.ways, self.maze.cols)
+        self.hand_over_replay()
         for experience, number in replay_of(self._put_away, self.ways, self.maze.cols).counts.items():
             self.agent.earlier_here.add(experience, number)
         self._put_away[:] = 0

@@ -11,7 +11,6 @@ from twonav_cli.experiments.learning_progress import LearningOutcome, clock_of
 from twonav_cli.experiments.maze_learning import TRIALS_PER_BATCH, MazeLearning
 from twonav_cli.learner.agent import Agent
 from twonav_cli.learner.maze_kernel import Columns
-from twonav_cli.learner.maze_loop import replay_of
 from twonav_cli.maze import Maze
 from twonav_cli.terminal.screen.watch_keys import END, GOAL, TRIAL
 from twonav_cli.terminal.screen.watch_state import TRAIL_CELLS, Trial, Walked
@@ -117,9 +116,8 @@ class Walk:
         return progress.step - before
 
     def _save_agent(self) -> None:
-        """Save the agent between two trials; the loop goes on counting experiences, so it hands over a copy."""
-        loop = self.learning.loop
-        self.agent.replay = replay_of(loop.tables.counts, loop.ways, self.maze.cols)
+        """Save the agent between two trials."""
+        self.learning.loop.hand_over_replay()
         self._save()
 
     def _trials_of(self, rows: Columns, goal: int) -> tuple[Trial, ...]:
