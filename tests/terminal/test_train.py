@@ -233,7 +233,10 @@ def test_a_run_in_a_random_maze_is_recorded_with_its_settings(twonav: Twonav, tm
     train = ["train", "--stage", "maze", "--random-maze", "0", "--learner", "oracle", "--record", path]
     assert twonav(*train, "--out", tmp_path / "a").code == 0
     assert "train of scene random-0, stage maze, seed 0: learned" in twonav("inspect", path).out
-    assert json.loads(twonav("inspect", path, "--json").out)["scene"] == "random-0"
+    found = json.loads(twonav("inspect", path, "--json").out)
+    assert found["scene"] == "random-0"
+    assert found["settings"]["discount"] == "0.95"
+    assert found["settings"]["trial limit steps"] == "500"
 
 
 # What was learned is not lost

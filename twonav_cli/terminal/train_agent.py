@@ -6,6 +6,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -43,8 +44,9 @@ def check_same_run(request: TrainRequest, folder: Path) -> None:
 
 def run_started(request: TrainRequest, place: LearningPlace, agent: Agent) -> RunStarted:
     """Return the event that opens a run, or its continuation."""
-    given = {"learner": agent.config.learner, **request.choices.given()} if request.stage == "maze" else {}
-    settings = {name: str(value) for name, value in given.items()}
+    config = asdict(agent.config)
+    rewards = {f"reward {name}": value for name, value in config.pop("rewards").items()}
+    settings = {name.replace("_", " "): str(value) for name, value in {**config, **rewards}.items()}
     return RunStarted(
         Clock(agent.progress.trial, agent.progress.step), "train", request.stage, place.name, request.seed, settings,
         place.maze, place.maze_frame, place.occupied, place.map_frame,
