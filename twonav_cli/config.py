@@ -130,6 +130,17 @@ class OdometryNoise:
 
 
 @dataclass(frozen=True)
+class MappingConfig:
+    """How the map is made from scans (Rao-Blackwellized particle filter, Grisetti et al. 2007)."""
+
+    particles: int = _setting(30, "Particles, each with a map of its own (ours; the paper does not say).")
+    resolution_m: float = _setting(0.05, "Edge of a map cell, metres (§4.3).")
+    max_range_m: float = _setting(20.0, "Beams are cut at this range, metres (ours).")
+    keyframe_distance_m: float = _setting(0.5, "Distance driven after which a scan goes into the map, metres (ours).")
+    keyframe_turn_rad: float = _setting(0.25, "Angle turned after which a scan goes into the map, radians (ours).")
+
+
+@dataclass(frozen=True)
 class DriveConfig:
     """The local controller: the dynamic window approach on a local cost map."""
 

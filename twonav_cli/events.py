@@ -42,7 +42,7 @@ class RunStarted(Event):
     command: str
     """"play", "train" or "evaluate"."""
     stage: str
-    """"maze", "3d" or "localizer"."""
+    """"map", "maze", "3d" or "localizer"."""
     scene: str
     seed: int
     settings: dict[str, str] = field(default_factory=dict)
@@ -222,6 +222,40 @@ class FittingValidated(Event):
     """A network was measured during its training. `clock.step` counts batches, `clock.trial` epochs."""
 
     metrics: dict[str, float]
+
+
+@dataclass(frozen=True)
+class KeyframeMapped(Event):
+    """A scan was put into the map. `clock.step` counts keyframes, `clock.time_s` is the time since the first scan."""
+
+    pose: Pose
+    """Of the best particle."""
+    poses: FloatArray
+    """[P, 3] of every particle, before they are drawn again."""
+    weights: FloatArray
+    """[P] normalised."""
+    effective: float
+    """Effective number of particles (Grisetti et al. 2007, Eq. 20)."""
+    resampled: bool
+    unmatched: int
+    """Particles whose scan matching failed, so that odometry was kept (§4.1)."""
+    hits: FloatArray
+    """[N, 2] where the beams ended, map frame, as the best particle believes."""
+    pose_odom: Pose
+    """Where odometry alone would be, in the frame of the map."""
+    pose_true: Pose | None = None
+    """Of the simulator, where there is one."""
+
+
+@dataclass(frozen=True)
+class MapDrawn(Event):
+    """The map of the best particle at one moment, and the way it believes to have come."""
+
+    pixels: NDArray[np.uint8]
+    """[rows, cols]: 0 occupied, 205 unknown, 254 free."""
+    frame: GridFrame
+    path: FloatArray
+    """[K, 3] its pose at every keyframe so far."""
 
 
 @dataclass(frozen=True)
