@@ -138,6 +138,18 @@ class MappingConfig:
     max_range_m: float = _setting(20.0, "Beams are cut at this range, metres (ours).")
     keyframe_distance_m: float = _setting(0.5, "Distance driven after which a scan goes into the map, metres (ours).")
     keyframe_turn_rad: float = _setting(0.25, "Angle turned after which a scan goes into the map, radians (ours).")
+    proposal: str = _setting("gaussian", "gaussian: draw around the maximum (Grisetti et al. 2007); maximum: take it.")
+    evidence: float = _setting(0.05, "Exponent of a scan's likelihood, for its beams are not independent (ours).")
+    sigma_m: float = _setting(0.05, "Deviation of a beam's end from the map, metres (ours).")
+    wide_sigma_m: float = _setting(0.12, "The same at the beginning of scan matching, metres (ours).")
+    least_match: float = _setting(0.3, "Least share of beams that must fit; below, odometry is kept (§4.1; ours).")
+    resample_share: float = _setting(0.5, "Effective share of particles below which they are drawn again (2007).")
+    error_m_per_m: float = _setting(0.1, "Odometry's deviation per metre driven, metres (ours).")
+    error_m_per_rad: float = _setting(0.1, "Odometry's deviation per radian turned, metres (ours).")
+    error_rad_per_m: float = _setting(0.1, "Odometry's deviation per metre driven, radians (ours).")
+    error_rad_per_rad: float = _setting(0.1, "Odometry's deviation per radian turned, radians (ours).")
+    error_m: float = _setting(0.05, "Odometry's deviation however short the way, metres (ours).")
+    error_rad: float = _setting(0.1, "Odometry's deviation however short the way, radians (ours).")
 
 
 @dataclass(frozen=True)

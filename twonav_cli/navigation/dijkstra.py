@@ -5,6 +5,7 @@ N cells of the grid, in row order. A diagonal step costs the square root of two 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,7 +32,7 @@ def _slices(offset: int) -> tuple[slice, slice]:
     return (slice(None, -1), slice(1, None)) if offset > 0 else (slice(1, None), slice(None, -1))
 
 
-def _graph_of(free: NDArray[np.bool_]) -> csr_matrix:
+def _graph_of(free: NDArray[np.bool_], weight: NDArray[np.float64] | None) -> csr_matrix:
     """Return the graph [N, N] of the steps between free cells; each step once, to be read as undirected."""
     from scipy.sparse import csr_matrix
 
@@ -45,16 +46,52 @@ def _graph_of(free: NDArray[np.bool_]) -> csr_matrix:
         sources.append(numbers[row_a, col_a][open_])
         ends.append(numbers[row_b, col_b][open_])
         lengths.append(np.full(sources[-1].size, np.hypot(d_row, d_col)))
+        if weight is not None:
+            lengths[-1] *= 0.5 * (weight[row_a, col_a][open_] + weight[row_b, col_b][open_])
     edges = (np.concatenate(lengths), (np.concatenate(sources), np.concatenate(ends)))
     return csr_matrix(edges, shape=(free.size, free.size))
 
 
-class FreeSpace:
-    """The graph of a grid's free cells, built once."""
+@dataclass(frozen=True)
+class PathTree:
+    """The shortest paths from one cell to every other.
 
-    def __init__(self, free: NDArray[np.bool_]) -> None:
+    Attributes:
+        lengths: [rows, cols] in cells, times the weights on the way; inf where no path leads.
+        before: [N] number of the cell before each one on its path.
+        start: Where the paths begin.
+    """
+
+    lengths: NDArray[np.float64]
+    before: NDArray[np.int32]
+    start: Cell
+
+    def path_to(self, goal: Cell) -> list[Cell]:
+        """Return the cells of the path to a cell, both ends among them.
+
+        Raises:
+            TwonavError: No path leads there.
+        """
+        if not np.isfinite(self.lengths[goal]):
+            raise TwonavError(f"no path joins cells {tuple(self.start)} and {tuple(goal)}: choose another goal")
+        cols = self.lengths.shape[1]
+        cells = [goal]
+        while cells[-1] != self.start:
+            cells.append(Cell(*divmod(int(self.before[cells[-1].row * cols + cells[-1].col]), cols)))
+        return cells[::-1]
+
+
+class FreeSpace:
+    """The graph of a grid's free cells, built once.
+
+    Args:
+        free: [rows, cols] cells that may be entered.
+        weight: [rows, cols] what a step costs there, as a factor on its length; default: 1 everywhere.
+    """
+
+    def __init__(self, free: NDArray[np.bool_], weight: NDArray[np.float64] | None = None) -> None:
         self.free = np.asarray(free, dtype=np.bool_)
-        self._graph = _graph_of(self.free)
+        self._graph = _graph_of(self.free, weight)
 
     def _check(self, cell: Cell) -> int:
         rows, cols = self.free.shape
@@ -73,22 +110,26 @@ class FreeSpace:
         lengths = dijkstra(self._graph, directed=False, indices=self._check(start))
         return np.asarray(lengths, dtype=np.float64).reshape(self.free.shape)
 
+    def tree(self, start: Cell) -> PathTree:
+        """Return the shortest paths from a cell to every other.
+
+        Raises:
+            TwonavError: `start` is not free.
+        """
+        from scipy.sparse.csgraph import dijkstra
+
+        first = self._check(start)
+        lengths, before = dijkstra(self._graph, directed=False, indices=first, return_predecessors=True)
+        return PathTree(np.asarray(lengths, dtype=np.float64).reshape(self.free.shape), before, start)
+
     def path(self, start: Cell, goal: Cell) -> list[Cell]:
         """Return the cells of a shortest path, both ends among them.
 
         Raises:
             TwonavError: An end is not free, or no path joins them.
         """
-        from scipy.sparse.csgraph import dijkstra
-
-        first, last = self._check(start), self._check(goal)
-        lengths, before = dijkstra(self._graph, directed=False, indices=first, return_predecessors=True)
-        if not np.isfinite(lengths[last]):
-            raise TwonavError(f"no path joins cells {tuple(start)} and {tuple(goal)}: choose another goal")
-        cells = [last]
-        while cells[-1] != first:
-            cells.append(int(before[cells[-1]]))
-        return [Cell(*divmod(cell, self.free.shape[1])) for cell in reversed(cells)]
+        self._check(goal)
+        return self.tree(start).path_to(goal)
 
 
 def path(free: NDArray[np.bool_], start: Cell, goal: Cell) -> list[Cell]:

@@ -243,7 +243,7 @@ def _points(values: Sequence[Marks], *, with_labels: bool) -> Any:
     return columns
 
 
-def _scalars(entity: str) -> Callable[[Sequence[Any]], Filled]:
+def scalars(entity: str) -> Callable[[Sequence[Any]], Filled]:
     def fill(values: Sequence[Any]) -> Filled:
         return [(entity, rr.Scalars.columns(scalars=np.array(values, dtype=np.float64)))]
 
@@ -288,7 +288,7 @@ def log_columns(values: Sequence[tuple[str, str]]) -> Filled:
     return [("log", rr.TextLog.columns(level=[v[0] for v in values], text=[v[1] for v in values]))]
 
 
-def _rows(entity: str) -> Callable[[Sequence[dict[str, Any]]], Filled]:
+def rows(entity: str) -> Callable[[Sequence[dict[str, Any]]], Filled]:
     """Machine-readable rows; every value has the same keys."""
 
     def fill(values: Sequence[dict[str, Any]]) -> Filled:
@@ -316,23 +316,23 @@ COLUMNS: dict[str, Callable[[Sequence[Any]], Filled]] = {
     "goal": goal_columns,
     "failures": mark_columns,
     "log": log_columns,
-    "trials": _rows("trials"),
-    "choices": _rows("choices"),
-    "learned": _rows("learned"),
-    "added": _rows("added"),
+    "trials": rows("trials"),
+    "choices": rows("choices"),
+    "learned": rows("learned"),
+    "added": rows("added"),
     "table": table_columns,
-    "step/q": _scalars("metrics/q_values"),
+    "step/q": scalars("metrics/q_values"),
     "step/td_error": _goal_curves("metrics/td_error"),
     "state/goal": _state("state/goal"),
     "state/outcome": _state("state/outcome"),
     "state/cause": _state("state/why"),
     "learning/td_error": _goal_curves("learning/td_error"),
     "learning/chosen": choice_mark_columns,
-    "learning/round": _scalars("learning/round"),
-    "learning/steps": _scalars("learning/steps"),
-    "learning/reached": _scalars("learning/reached"),
-    "fit/loss": _scalars("train/loss"),
-    "fit/learning_rate": _scalars("train/learning_rate"),
-    "fit/images_per_s": _scalars("train/images_per_s"),
+    "learning/round": scalars("learning/round"),
+    "learning/steps": scalars("learning/steps"),
+    "learning/reached": scalars("learning/reached"),
+    "fit/loss": scalars("train/loss"),
+    "fit/learning_rate": scalars("train/learning_rate"),
+    "fit/images_per_s": scalars("train/images_per_s"),
 }
 """Track to the function that fills its entities."""

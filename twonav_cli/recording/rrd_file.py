@@ -19,6 +19,7 @@ from twonav_cli.errors import TwonavError
 from twonav_cli.events import Clock
 from twonav_cli.recording.columns import COLUMNS
 from twonav_cli.recording.flight import Detail
+from twonav_cli.recording.mapping_columns import MAPPING_COLUMNS
 
 Row = tuple[Clock, Detail, Any]
 
@@ -27,6 +28,13 @@ TIMELINES = ("step", "trial", "sim_time")
 
 FITTING_TIMELINES = ("batch", "epoch", "sim_time")
 """The same three numbers of the clock in a recording of a network's training."""
+
+MAPPING_TIMELINES = ("keyframe", None, "time")
+"""Of them in a recording of the mapper, which knows no trials: scans that went into the map, seconds of the log."""
+
+Timelines = tuple[str, str | None, str]
+
+_FILL = COLUMNS | MAPPING_COLUMNS
 
 
 def checked_path(path: Path) -> Path:
@@ -49,9 +57,9 @@ def checked_path(path: Path) -> Path:
 
 
 class RrdFile:
-    """Buffers rows by track (see `columns.COLUMNS`) and ships them."""
+    """Buffers rows by track (see `columns.COLUMNS`, `mapping_columns.MAPPING_COLUMNS`) and ships them."""
 
-    def __init__(self, path: Path, application_id: str, timelines: tuple[str, str, str] = TIMELINES) -> None:
+    def __init__(self, path: Path, application_id: str, timelines: Timelines = TIMELINES) -> None:
         """Open the file.
 
         Raises:
@@ -110,7 +118,7 @@ class RrdFile:
 
     def _write(self, track: str, rows: list[Row]) -> None:
         times = self.time_columns([clock for clock, _, _ in rows])
-        for entity, columns in COLUMNS[track]([value for _, _, value in rows]):
+        for entity, columns in _FILL[track]([value for _, _, value in rows]):
             self._stream.send_columns(entity, times, columns)
 
     def send(self, entity: str, clocks: list[Clock], columns: Any) -> None:
@@ -121,16 +129,18 @@ class RrdFile:
         """Write one row at once; dear, so only for what comes once per trial."""
         first, second, third = self._timelines
         self._stream.set_time(first, sequence=clock.step)
-        self._stream.set_time(second, sequence=clock.trial)
+        if second is not None:
+            self._stream.set_time(second, sequence=clock.trial)
         self._stream.set_time(third, duration=clock.time_s)
         self._stream.log(entity, what)
 
     def time_columns(self, clocks: list[Clock]) -> list[rr.TimeColumn]:
-        """Return the three timelines [n] of some rows."""
+        """Return the timelines [n] of some rows."""
         first, second, third = self._timelines
+        steps, trials = (np.array(number, dtype=np.int64) for number in zip(*((c.step, c.trial) for c in clocks)))
         return [
-            rr.TimeColumn(first, sequence=np.array([clock.step for clock in clocks], dtype=np.int64)),
-            rr.TimeColumn(second, sequence=np.array([clock.trial for clock in clocks], dtype=np.int64)),
+            rr.TimeColumn(first, sequence=steps),
+            *([] if second is None else [rr.TimeColumn(second, sequence=trials)]),
             rr.TimeColumn(third, duration=np.array([clock.time_s for clock in clocks], dtype=np.float64)),
         ]
 

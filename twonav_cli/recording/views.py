@@ -20,7 +20,8 @@ MARGIN_M = 0.3
 DARK = [18, 18, 18]
 
 
-def _bounds(frame: GridFrame) -> rrb.VisualBounds2D:
+def bounds_of(frame: GridFrame) -> rrb.VisualBounds2D:
+    """Return what a view shows of a grid and a little around it."""
     return rrb.VisualBounds2D(
         x_range=[frame.x_min_m - MARGIN_M, frame.x_max_m + MARGIN_M],
         y_range=[-frame.y_max_m - MARGIN_M, -frame.y_min_m + MARGIN_M],
@@ -84,7 +85,7 @@ def log(timelines: list[str]) -> rrb.TextLogView:
 def table_view(entity: str, name: str, frame: GridFrame) -> rrb.Spatial2DView:
     """Return the picture of one goal's table."""
     origin = "/" + entity.removesuffix("/map")
-    return rrb.Spatial2DView(origin=origin, name=name, visual_bounds=_bounds(frame), background=DARK)
+    return rrb.Spatial2DView(origin=origin, name=name, visual_bounds=bounds_of(frame), background=DARK)
 
 
 def _legend(entity: str) -> rrb.Spatial2DView:
@@ -130,7 +131,7 @@ def map_view(frame: GridFrame, name: str) -> rrb.Spatial2DView:
         origin="/drive",
         contents=["$origin/**", "- $origin/map/dwa/cost"],
         name=name,
-        visual_bounds=_bounds(frame),
+        visual_bounds=bounds_of(frame),
         background=DARK,
     )
 

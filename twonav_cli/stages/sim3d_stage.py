@@ -22,8 +22,8 @@ from twonav_cli.navigation.cell_driver import CellDriver
 from twonav_cli.rng import stream
 from twonav_cli.scene.camera import Camera
 from twonav_cli.scene.laser import RangeFinder
+from twonav_cli.scene.robot_body import RobotBody
 from twonav_cli.scene.world import World
-from twonav_cli.stages.robot_body import RobotBody
 from twonav_cli.stages.stage import ActionResult, Observation
 
 AGREE_M, AGREE_RAD = 0.30, 0.5

@@ -12,8 +12,8 @@ from twonav_cli.config import OdometryNoise
 from twonav_cli.geometry import Pose, Twist
 from twonav_cli.scene.catalog import read_scene
 from twonav_cli.scene.laser import RangeFinder
+from twonav_cli.scene.robot_body import RobotBody
 from twonav_cli.scene.world import World
-from twonav_cli.stages.robot_body import RobotBody
 
 NO_NOISE = OdometryNoise(0.0, 0.0, 0.0, 0.0, 0.0)
 FREE = Pose(2.9, 3.3, -math.pi / 2)

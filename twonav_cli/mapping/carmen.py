@@ -1,0 +1,199 @@
+"""A laser log in the CARMEN format as readings: what GMapping, FLIRT and the public data sets use.
+
+B beams, n scans.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from twonav_cli.errors import TwonavError
+from twonav_cli.geometry import FloatArray, Pose, distance_m, relative_pose, wrap_angle, wrap_angles
+from twonav_cli.mapping.carmen_lines import CUT_OFF, CarmenLines, ScanLine, is_place, read_lines
+from twonav_cli.mapping.scan import RangeSensor, Reading, StampedPose
+
+SICK_LIMIT_M = 80.0
+"""A SICK LMS measures up to here; 81.91 (or 8191) means that nothing was hit."""
+NOTHING_SHARE = 0.005
+"""A largest reading below that limit that comes this often, of all readings, is another finder's mark for nothing."""
+
+FIELD_OF_VIEW_RAD = math.pi
+"""FLASER lines do not say it; the format's range finder looks half around."""
+
+MOUNT_TOLERANCE_M, MOUNT_TOLERANCE_RAD = 0.01, math.radians(0.5)
+MOUNT_SHARE = 0.9
+"""Lines that must agree where the laser sits, to these tolerances."""
+
+OTHER_BEAMS, BACK_IN_TIME, NO_POSE = (
+    "scans of another number of beams",
+    "scans whose time does not go on",
+    "scans without a pose",
+)
+
+
+@dataclass(frozen=True)
+class LaserLog:
+    """The scans of a log and what became of its lines.
+
+    Attributes:
+        sensor: What measured.
+        readings: In the order of time.
+        odometry: Poses of ODOM lines in the order of time; a log may have none, for scans carry odometry too.
+        left_out: Lines that are not used, by what they are.
+        warnings: Sentences about what is odd.
+    """
+
+    sensor: RangeSensor
+    readings: list[Reading]
+    odometry: list[StampedPose]
+    left_out: dict[str, int]
+    warnings: list[str]
+
+    @property
+    def duration_s(self) -> float:
+        """Time from the first scan to the last."""
+        return self.readings[-1].stamp_s - self.readings[0].stamp_s
+
+    @property
+    def driven_m(self) -> float:
+        """Length of the way by odometry, from the ODOM lines where there are any: they are closer together."""
+        way = [stamped.pose for stamped in self.odometry] or [reading.pose_odom for reading in self.readings]
+        return sum(distance_m(a, b) for a, b in zip(way, way[1:], strict=False))
+
+
+def read_carmen(path: Path) -> LaserLog:
+    """Read a CARMEN log, plain or packed with gzip.
+
+    FLASER lines are scans; their `ipc_timestamp` is the time. ODOM lines give the pose of scans that have none, or
+    whose own never changes, and the length of the way. Everything else is counted.
+
+    Raises:
+        TwonavError: There is no such file, it is not a text log, or there is no scan in it.
+    """
+    lines = read_lines(path)
+    if not lines.scans:
+        raise TwonavError(f"{path} has no scans: {_what_it_has(lines)}; name a CARMEN log with FLASER lines")
+    left_out, warnings = Counter(lines.others), [] if lines.whole else [CUT_OFF]
+    odometry = _in_order(lines.odometry)
+    posed = _with_poses(lines.scans, odometry, warnings)
+    left_out[NO_POSE] = len(lines.scans) - len(posed)
+    beams = _usual_beams(lines.scans)
+    kept = [line for line in posed if len(line.ranges_m) == beams]
+    left_out[OTHER_BEAMS] = len(posed) - len(kept)
+    timely = _going_on(kept)
+    left_out[BACK_IN_TIME] = len(kept) - len(timely)
+    if not timely:
+        raise TwonavError(f"{path} has no scan that can be used: no pose in the FLASER lines, and no ODOM lines")
+    ranges_m = np.stack([line.ranges_m for line in timely])
+    sensor = RangeSensor(beam_angles(beams), _mount(timely, warnings), nothing_from_m(ranges_m))
+    measured_m = np.where(np.isfinite(ranges_m) & (ranges_m > 0.0), ranges_m, np.nan)
+    readings = [Reading(line.stamp_s, line.pose_odom, row) for line, row in zip(timely, measured_m, strict=True)]
+    return LaserLog(sensor, readings, odometry, {what: count for what, count in left_out.items() if count}, warnings)
+
+
+def beam_angles(beams: int) -> FloatArray:
+    """Return the directions [B] of the beams in the sensor's frame, from right to left.
+
+    An odd number spans -90 to +90 degrees with both ends, an even one begins at -90 and leaves the last out: 181 and
+    180 beams are both 1 degree apart.
+    """
+    spacing_rad = FIELD_OF_VIEW_RAD / (beams - beams % 2)
+    return np.asarray(-FIELD_OF_VIEW_RAD / 2 + spacing_rad * np.arange(beams), dtype=np.float64)
+
+
+def nothing_from_m(ranges_m: FloatArray) -> float:
+    """Return the reading from which on nothing was hit, from all readings [n, B] of a log."""
+    near = ranges_m[(ranges_m > 0.0) & (ranges_m < SICK_LIMIT_M)]  # a comparison with NaN is False
+    if not near.size:
+        return SICK_LIMIT_M
+    largest_m = float(near.max())
+    common = np.count_nonzero(near == largest_m) >= max(NOTHING_SHARE * ranges_m.size, 2)
+    return largest_m if common else SICK_LIMIT_M
+
+
+def _what_it_has(lines: CarmenLines) -> str:
+    found = [f"ODOM lines {len(lines.odometry)}"] * bool(lines.odometry)
+    found += [f"{what} {count}" for what, count in lines.others.most_common(3)]
+    return f"it holds {', '.join(found)}" if found else "it is empty"
+
+
+def _usual_beams(scans: list[ScanLine]) -> int:
+    """Return the number of beams that most scans have, of equals the first one's."""
+    return Counter(len(line.ranges_m) for line in scans).most_common(1)[0][0]
+
+
+def _in_order(poses: list[StampedPose]) -> list[StampedPose]:
+    return sorted(poses, key=lambda stamped: stamped.stamp_s)
+
+
+def _with_poses(scans: list[ScanLine], odometry: list[StampedPose], warnings: list[str]) -> list[ScanLine]:
+    """Return the scans that have a pose, of their own or between two ODOM lines."""
+    standing = len({line.pose_odom for line in scans}) == 1 < len(scans)
+    unused = standing and len({stamped.pose for stamped in odometry}) > 1
+    if unused:
+        warnings.append("the FLASER lines carry no odometry: it is taken from the ODOM lines")
+    if not unused and all(is_place(line.pose_odom) for line in scans):
+        return scans
+    stamps_s = np.array([stamped.stamp_s for stamped in odometry])
+    found = []
+    for line in scans:
+        pose = None if unused or not is_place(line.pose_odom) else line.pose_odom
+        pose = pose or _pose_between(odometry, stamps_s, line.stamp_s)
+        if pose is not None:
+            found.append(line._replace(pose_odom=pose))
+    return found
+
+
+def _pose_between(odometry: list[StampedPose], stamps_s: FloatArray, stamp_s: float) -> Pose | None:
+    """Return the pose at a moment on the straight way between two of odometry, None before the first or after."""
+    after = int(np.searchsorted(stamps_s, stamp_s))
+    if after == len(odometry) or stamp_s < stamps_s[0]:
+        return None
+    late = odometry[after]
+    early = odometry[max(after - 1, 0)]
+    share = (stamp_s - early.stamp_s) / (late.stamp_s - early.stamp_s) if late.stamp_s > early.stamp_s else 1.0
+    a, b = early.pose, late.pose
+    turn_rad = wrap_angle(b.theta_rad - a.theta_rad)
+    return Pose(
+        a.x_m + share * (b.x_m - a.x_m), a.y_m + share * (b.y_m - a.y_m), wrap_angle(a.theta_rad + share * turn_rad)
+    )
+
+
+def _going_on(scans: list[ScanLine]) -> list[ScanLine]:
+    """Return the scans whose time is after that of the scan kept before.
+
+    A time that lies ahead of both scans after it, while these go on, is wrong itself: it would cost all of them.
+    """
+    kept: list[ScanLine] = []
+    last_s = -math.inf
+    for index, line in enumerate(scans):
+        following = [later.stamp_s for later in scans[index + 1 : index + 3]]
+        ahead = len(following) == 2 and last_s < min(following) <= max(following) < line.stamp_s
+        if line.stamp_s > last_s and not ahead:
+            kept.append(line)
+            last_s = line.stamp_s
+    return kept
+
+
+def _mount(scans: list[ScanLine], warnings: list[str]) -> Pose:
+    """Return where the laser sits on the robot as most lines say, in the middle where they do not agree."""
+    seen = [relative_pose(line.pose_odom, line.pose_laser) for line in scans if is_place(line.pose_laser)]
+    if not seen:
+        return Pose(0.0, 0.0, 0.0)
+    mounts = np.array(seen)  # [n, 3]
+    x_m, y_m = np.median(mounts[:, :2], axis=0)
+    theta_rad = math.atan2(np.median(np.sin(mounts[:, 2])), np.median(np.cos(mounts[:, 2])))
+    near = np.hypot(mounts[:, 0] - x_m, mounts[:, 1] - y_m) <= MOUNT_TOLERANCE_M
+    near &= np.abs(wrap_angles(mounts[:, 2] - theta_rad)) <= MOUNT_TOLERANCE_RAD
+    if near.mean() < MOUNT_SHARE:
+        warnings.append(
+            f"{np.count_nonzero(~near)} of {len(near)} scans say otherwise where the laser sits (poses that were "
+            "corrected afterwards?): it is taken to sit in the middle of the robot"
+        )
+        return Pose(0.0, 0.0, 0.0)
+    return Pose(float(x_m), float(y_m), theta_rad)
