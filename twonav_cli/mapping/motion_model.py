@@ -1,7 +1,4 @@
-"""How far odometry can be trusted: the Gaussian p(x | u) of the filter.
-
-Lengths in cells where poses are arrays [P, 3].
-"""
+"""How far odometry can be trusted: the Gaussian p(x | u) of the filter."""
 
 from __future__ import annotations
 
@@ -23,24 +20,10 @@ def motion_covariance(config: MappingConfig, motion: Pose, theta_rad: float) -> 
     """
     driven_m, turned_rad = math.hypot(motion.x_m, motion.y_m), abs(motion.theta_rad)
     place_m = math.hypot(config.error_m_per_m * driven_m, config.error_m_per_rad * turned_rad, config.error_m)
-    turn_rad = math.hypot(
-        config.error_rad_per_m * driven_m, config.error_rad_per_rad * turned_rad, config.error_rad
-    )
+    turn_rad = math.hypot(config.error_rad_per_m * driven_m, config.error_rad_per_rad * turned_rad, config.error_rad)
     place = place_m / config.resolution_m
     # A turn that is wrong at the beginning carries the end of the motion aside.
     aside = 0.5 * driven_m / config.resolution_m
     direction = theta_rad + math.atan2(motion.y_m, motion.x_m)
     lever = np.array([-math.sin(direction) * aside, math.cos(direction) * aside, 1.0])
     return np.diag([place**2, place**2, 1e-10]) + turn_rad**2 * np.outer(lever, lever)
-
-
-def composed(poses: FloatArray, motion: FloatArray) -> FloatArray:
-    """Return where poses [P, 3] come to by one motion [3] in their own frames."""
-    cos, sin = np.cos(poses[:, 2]), np.sin(poses[:, 2])
-    return np.column_stack(
-        [
-            poses[:, 0] + cos * motion[0] - sin * motion[1],
-            poses[:, 1] + sin * motion[0] + cos * motion[1],
-            poses[:, 2] + motion[2],
-        ]
-    )

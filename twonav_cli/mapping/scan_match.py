@@ -8,259 +8,252 @@ N beams that hit something. Lengths are in cells.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
 from twonav_cli.compiled import compiled, inlined
-from twonav_cli.mapping.cells import HITS, MEAN_STEPS, MEAN_X, MEAN_Y, TILE_BITS, TILE_MASK, VISITS, log_odds
+from twonav_cli.config import MappingConfig
+from twonav_cli.mapping.cells import MEAN_STEPS, MEAN_X, MEAN_Y, TILE, TILE_BITS, TILE_MASK, CellMap
+from twonav_cli.mapping.three_by_three import solved, times
 
 ALONG = 0.15
 """Weight of the squared distance along a surface (ours)."""
 
-OUTLIER = 0.05
-"""Likelihood of a beam that fits nothing, beside 1 of one that fits exactly (ours)."""
+LIMIT = 6.0
+"""Twice what a beam that fits nothing costs (Geman and McClure's bounded error; value ours: e^-3, or 5 %)."""
 
-NEIGHBOUR_BEAMS = 3
-"""Beams on each side from which the direction of a surface is taken (ours)."""
-
-NEIGHBOUR_M = 0.4
-"""Ends farther apart belong to different surfaces, metres (ours)."""
+FITTING = 2.5
+"""A beam fits when its squared distance is below this many squared deviations (ours)."""
 
 SURE_MATCH = 0.8
 """Share of fitting beams from which a match is taken without looking further (ours)."""
 
-SEARCH_STEP_RAD = 0.04
-SEARCH_STEPS = 12
-"""Headings tried on each side of the guess: to 27 degrees, as far as real odometry was seen to err in a step (ours)."""
+FAR = 1e9
 
-SEARCH_BEAMS = 90
-"""Beams that are enough to tell headings apart (ours)."""
+WIDE_REACH, WIDE_STRIDE = 3, 3
+NARROW_REACH = 1
+"""Cells around an end that are looked at, and every how many beams one counts: first wide, then narrow (ours)."""
+
+CLIMB_STEPS = 12
+LEAST_DAMPING = 0.1
+LONGEST_STEP, LONGEST_TURN_RAD = 3.0, 0.1
+"""A step of the climb is no longer than this many cells and radians together (ours)."""
+
+GAIN_ENOUGH = 0.01
+"""Gain in log density at which a climb ends (ours)."""
 
 Floats = NDArray[np.float64]
 
 
-class Fit(NamedTuple):
-    """A pose, in cells and radians, and how well the scan fits there."""
-
-    x: float
-    y: float
-    theta: float
-    log_likelihood: float
-    matched: float
-    """Share of the beams that fit something."""
-
-
-def surface_normals(points: Floats) -> Floats:
-    """Return the direction [N, 2] across the surface at each end of a beam; (0, 0) where the scan shows none.
-
-    Args:
-        points: [N, 2] ends in the order of the beams, metres.
-    """
-    normals = np.zeros_like(points)
-    _fill_normals(points, normals)
-    return normals
-
-
-@compiled
-def _fill_normals(points: Floats, normals: Floats) -> None:
-    for i in range(len(points)):
-        count, mean_x, mean_y, xx, xy, yy = 0, 0.0, 0.0, 0.0, 0.0, 0.0
-        for j in range(max(0, i - NEIGHBOUR_BEAMS), min(len(points), i + NEIGHBOUR_BEAMS + 1)):
-            x, y = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1]
-            if x * x + y * y < NEIGHBOUR_M * NEIGHBOUR_M:
-                count += 1
-                mean_x += x
-                mean_y += y
-                xx += x * x
-                xy += x * y
-                yy += y * y
-        if count < 4:
-            continue
-        xx, xy, yy = xx - mean_x * mean_x / count, xy - mean_x * mean_y / count, yy - mean_y * mean_y / count
-        half, root = (xx + yy) / 2, np.sqrt(((xx - yy) / 2) ** 2 + xy * xy)
-        if root < 0.6 * half:  # as wide as long: no surface
-            continue
-        angle = 0.5 * np.arctan2(2 * xy, xx - yy) + np.pi / 2
-        normals[i, 0], normals[i, 1] = np.cos(angle), np.sin(angle)
+def matching_rule(config: MappingConfig) -> Floats:
+    """Return what the scan matcher needs of the settings: evidence, then the wide and the narrow deviation in cells."""
+    wide, narrow = config.wide_sigma_m / config.resolution_m, config.sigma_m / config.resolution_m
+    return np.array([config.evidence, wide, narrow])
 
 
 @inlined
-def nearest_mean(cells, table, first_row, first_col, x, y, reach):  # type: ignore[no-untyped-def]
-    """Return (dx, dy, found): from a point to the nearest mean of an occupied cell within `reach` cells."""
-    col, row = int(np.floor(x)) - first_col, int(np.floor(y)) - first_row
-    best, best_dx, best_dy = 1e9, 0.0, 0.0
-    high_row, high_col = table.shape[0] << TILE_BITS, table.shape[1] << TILE_BITS
-    if row < reach or col < reach or row >= high_row - reach or col >= high_col - reach:
-        return 0.0, 0.0, False
-    for r in range(row - reach, row + reach + 1):
-        for c in range(col - reach, col + reach + 1):
-            tile = table[r >> TILE_BITS, c >> TILE_BITS]
-            if tile < 0:
-                continue
-            at = ((r & TILE_MASK) << TILE_BITS) | (c & TILE_MASK)
-            hits = cells[tile, at, HITS]
-            if hits == 0 or log_odds(hits, cells[tile, at, VISITS]) <= 0.0:
-                continue
-            dx = c + first_col + cells[tile, at, MEAN_X] / MEAN_STEPS - x
-            dy = r + first_row + cells[tile, at, MEAN_Y] / MEAN_STEPS - y
-            squared = dx * dx + dy * dy
-            if squared < best:
-                best, best_dx, best_dy = squared, dx, dy
-    return best_dx, best_dy, best < 1e9
+def nearest_mean(grid: CellMap, x: float, y: float, reach: int) -> tuple[float, float, float]:
+    """Return (dx, dy, squared distance) from a point to the nearest mean of an occupied cell within `reach` cells.
+
+    The point is in cells from where the table begins; the distance is FAR where there is none. The walls' bits tell
+    where it is worth looking.
+    """
+    col, row = int(np.floor(x)) - reach, int(np.floor(y)) - reach
+    width = 2 * reach + 1
+    left, shift, window = col >> TILE_BITS, col & TILE_MASK, (1 << width) - 1
+    best, best_dx, best_dy = FAR, 0.0, 0.0
+    rows, cols = grid.table.shape
+    if row < 0 or col < 0 or (row + width) >> TILE_BITS >= rows or (col + width) >> TILE_BITS >= cols:
+        return best_dx, best_dy, best
+    for r in range(row, row + width):
+        down, inside = r >> TILE_BITS, r & TILE_MASK
+        tile = grid.table[down, left]
+        word = np.int64(grid.walls[tile, inside]) >> shift if tile >= 0 else np.int64(0)
+        if shift + width > TILE and grid.table[down, left + 1] >= 0:
+            word |= np.int64(grid.walls[grid.table[down, left + 1], inside]) << (TILE - shift)
+        word &= window
+        c = col
+        while word != 0:
+            if word & 1:
+                tile, at = grid.table[down, c >> TILE_BITS], (inside << TILE_BITS) | (c & TILE_MASK)
+                dx = c + grid.cells[tile, at, MEAN_X] / MEAN_STEPS - x
+                dy = r + grid.cells[tile, at, MEAN_Y] / MEAN_STEPS - y
+                squared = dx * dx + dy * dy
+                if squared < best:
+                    best, best_dx, best_dy = squared, dx, dy
+            word >>= 1
+            c += 1
+    return best_dx, best_dy, best
 
 
 @compiled
-def fit_at(cells, table, first_row, first_col, points, normals, pose, sigma, reach, stride, hessian, gradient):  # type: ignore[no-untyped-def]
+def likelihood_at(
+    grid: CellMap, points: Floats, normals: Floats, pose: Floats, sigma: float, reach: int, stride: int
+) -> tuple[float, int]:
+    """Return log-likelihood and number of fitting beams as `fit_at` does, without the rest."""
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    from_x, from_y = pose[0] - grid.first_col, pose[1] - grid.first_row
+    total, matched, precision = 0.0, 0, 1.0 / (sigma * sigma)
+    for i in range(0, len(points), stride):
+        rx, ry = cos * points[i, 0] - sin * points[i, 1], sin * points[i, 0] + cos * points[i, 1]
+        dx, dy, away = nearest_mean(grid, from_x + rx, from_y + ry, reach)
+        if away == FAR:
+            total -= 0.5 * LIMIT
+            continue
+        nx, ny = cos * normals[i, 0] - sin * normals[i, 1], sin * normals[i, 0] + cos * normals[i, 1]
+        along = ALONG if nx != 0.0 or ny != 0.0 else 1.0
+        across = dx * nx + dy * ny
+        squared = (along * away + (1.0 - along) * across * across) * precision
+        total -= 0.5 * squared * LIMIT / (LIMIT + squared)
+        matched += squared < FITTING
+    return total, matched
+
+
+@compiled
+def fit_at(
+    grid: CellMap, points: Floats, normals: Floats, pose: Floats, sigma: float, reach: int, stride: int,
+    hessian: Floats, gradient: Floats,
+) -> tuple[float, int]:  # fmt: skip
     """Return log-likelihood and number of fitting beams at a pose; fill the Gauss-Newton matrix and vector.
 
-    A beam's likelihood is that of a Gaussian over the distance, and OUTLIER for what fits nothing.
+    A beam's log-likelihood is -s/2 near the map (s: squared distance over squared sigma) and -LIMIT/2 far from it.
 
     Args:
-        cells: [T, TILE * TILE, 4].
-        table: [TR, TC] of one particle.
-        first_row: Cell row at which the table begins.
-        first_col: Cell column at which the table begins.
-        points: [N, 2] ends in the frame of the pose, cells.
-        normals: [N, 2] in the frame of the pose.
-        pose: [3] x, y in cells, theta.
-        sigma: Deviation of a distance, cells.
+        grid: Map of one particle.
+        points: [N, 2] ends in the frame of the pose.
+        normals: [N, 2] across the surfaces, in the frame of the pose.
+        pose: [3] x, y, theta.
+        sigma: Deviation of a distance.
         reach: How many cells around an end are looked at.
         stride: Every how many beams one counts.
         hessian: [3, 3] written: of the negative log-likelihood.
         gradient: [3] written: of the log-likelihood.
     """
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    from_x, from_y = pose[0] - grid.first_col, pose[1] - grid.first_row
     hessian[:] = 0.0
     gradient[:] = 0.0
-    total, matched = 0.0, 0
-    precision = 1.0 / (sigma * sigma)
+    total, matched, precision = 0.0, 0, 1.0 / (sigma * sigma)
     for i in range(0, len(points), stride):
         rx, ry = cos * points[i, 0] - sin * points[i, 1], sin * points[i, 0] + cos * points[i, 1]
-        dx, dy, found = nearest_mean(cells, table, first_row, first_col, pose[0] + rx, pose[1] + ry, reach)
-        if not found:
-            total += np.log(OUTLIER)
+        dx, dy, away = nearest_mean(grid, from_x + rx, from_y + ry, reach)
+        if away == FAR:
+            total -= 0.5 * LIMIT
             continue
         nx, ny = cos * normals[i, 0] - sin * normals[i, 1], sin * normals[i, 0] + cos * normals[i, 1]
-        flat = nx != 0.0 or ny != 0.0
-        along = ALONG if flat else 1.0
+        along = ALONG if nx != 0.0 or ny != 0.0 else 1.0
         across = dx * nx + dy * ny
-        squared = along * (dx * dx + dy * dy) + (1.0 - along) * across * across
-        good = np.exp(-0.5 * squared * precision)
-        total += np.log(good + OUTLIER)
-        weight = good / (good + OUTLIER) * precision
-        matched += good > 0.3
-        # the metric M = along * 1 + (1 - along) n n^T; J = [1, r_perp]
-        mxx = weight * (along + (1.0 - along) * nx * nx)
-        mxy = weight * (1.0 - along) * nx * ny
-        myy = weight * (along + (1.0 - along) * ny * ny)
-        gx, gy = mxx * dx + mxy * dy, mxy * dx + myy * dy
-        gradient[0] += gx
-        gradient[1] += gy
-        gradient[2] += -ry * gx + rx * gy
-        tx, ty = -ry * mxx + rx * mxy, -ry * mxy + rx * myy
-        hessian[0, 0] += mxx
-        hessian[0, 1] += mxy
-        hessian[1, 1] += myy
-        hessian[0, 2] += tx
-        hessian[1, 2] += ty
-        hessian[2, 2] += -ry * tx + rx * ty
+        squared = (along * away + (1.0 - along) * across * across) * precision
+        share = LIMIT / (LIMIT + squared)
+        total -= 0.5 * squared * share
+        matched += squared < FITTING
+        _add_beam(hessian, gradient, share * share * precision, along, nx, ny, dx, dy, rx, ry)
     hessian[1, 0], hessian[2, 0], hessian[2, 1] = hessian[0, 1], hessian[0, 2], hessian[1, 2]
     return total, matched
 
 
-@compiled
-def best_pose(cells, table, first_row, first_col, points, normals, start, prior, information, rule):  # type: ignore[no-untyped-def]
-    """Climb from a start to the pose that scan and odometry make most likely.
+@inlined
+def _add_beam(
+    hessian: Floats, gradient: Floats, weight: float, along: float, nx: float, ny: float, dx: float, dy: float,
+    rx: float, ry: float,
+) -> None:  # fmt: skip
+    """Add what one beam pulls: its metric is along * 1 + (1 - along) n n^T, and a turn moves its end across r."""
+    rest = 1.0 - along
+    mxx, mxy, myy = weight * (along + rest * nx * nx), weight * rest * nx * ny, weight * (along + rest * ny * ny)
+    gx, gy = mxx * dx + mxy * dy, mxy * dx + myy * dy
+    tx, ty = rx * mxy - ry * mxx, rx * myy - ry * mxy
+    gradient[0] += gx
+    gradient[1] += gy
+    gradient[2] += rx * gy - ry * gx
+    hessian[0, 0] += mxx
+    hessian[0, 1] += mxy
+    hessian[1, 1] += myy
+    hessian[0, 2] += tx
+    hessian[1, 2] += ty
+    hessian[2, 2] += rx * ty - ry * tx
 
-    Damped Gauss-Newton on rule.evidence * log p(z | m, x) + log p(x | u), first with a wide kernel and few beams,
-    then with a narrow one and all.
+
+@compiled
+def climb(
+    grid: CellMap, points: Floats, normals: Floats, start: Floats, prior: Floats, information: Floats,
+    evidence: float, sigma: float, reach: int, stride: int,
+) -> tuple[Floats, float, float, Floats]:  # fmt: skip
+    """Climb from a start to the pose that scan and odometry make most likely (damped Gauss-Newton).
+
+    What is climbed is evidence * log p(z | m, x) + log p(x | u).
 
     Args:
+        grid: Map of one particle.
+        points: [N, 2] ends in the robot's frame.
+        normals: [N, 2] across the surfaces.
         start: [3] where to begin.
         prior: [3] mean of p(x | u).
         information: [3, 3] inverse covariance of p(x | u).
-        rule: [evidence, wide sigma, narrow sigma], sigmas in cells.
+        evidence: Exponent of the scan's likelihood.
+        sigma: Deviation of a distance.
+        reach: How many cells around an end are looked at.
+        stride: Every how many beams one counts.
 
     Returns:
-        Pose [3]; log-likelihood there; share of the beams that fit; covariance [3, 3] of the posterior there.
+        Pose [3]; log-likelihood there; share of the beams that fit; inverse covariance [3, 3] of the posterior there.
     """
-    pose = start.copy()
+    pose, moved = start.copy(), start.copy()
     hessian, gradient = np.zeros((3, 3)), np.zeros(3)
-    trial_hessian, trial_gradient = np.zeros((3, 3)), np.zeros(3)
-    likelihood, matched = 0.0, 0
-    evidence = rule[0]
-    for phase in range(2):
-        sigma, reach, stride = (rule[1], 3, 3) if phase == 0 else (rule[2], 1, 1)
-        likelihood, matched = fit_at(
-            cells, table, first_row, first_col, points, normals, pose, sigma, reach, stride, hessian, gradient
-        )
-        scale = evidence * stride
-        value = scale * likelihood + log_prior(pose, prior, information)
-        damping = 1.0
-        for _ in range(10):
-            matrix = scale * hessian + information
-            for k in range(3):
-                matrix[k, k] += 1e-6 + 1e-3 * matrix[k, k]
-            step = np.linalg.solve(matrix, scale * gradient + information @ (prior - pose)) * damping
-            longest = max(abs(step[0]), abs(step[1])) / 3.0 + abs(step[2]) / 0.1
-            if longest > 1.0:
-                step /= longest
-            moved = pose + step
-            found, count = fit_at(
-                cells, table, first_row, first_col, points, normals, moved, sigma, reach, stride,
-                trial_hessian, trial_gradient,
-            )  # fmt: skip
-            new = scale * found + log_prior(moved, prior, information)
-            if new > value:
-                gained = new - value
-                pose, value, likelihood, matched = moved, new, found, count
-                hessian[:] = trial_hessian
-                gradient[:] = trial_gradient
-                damping = 1.0
-                if gained < 1e-3:
-                    break
-            else:
-                damping *= 0.4
-                if damping < 0.05:
-                    break
-    covariance = np.linalg.inv(evidence * hessian + information)
-    return pose, likelihood, matched / max(1, len(points)), covariance
-
-
-@inlined
-def log_prior(pose, prior, information):  # type: ignore[no-untyped-def]
-    """Return the log density of a Gaussian at a pose, without its constant."""
-    dx, dy, dt = pose[0] - prior[0], pose[1] - prior[1], pose[2] - prior[2]
-    return -0.5 * (
-        information[0, 0] * dx * dx + information[1, 1] * dy * dy + information[2, 2] * dt * dt
-        + 2 * (information[0, 1] * dx * dy + information[0, 2] * dx * dt + information[1, 2] * dy * dt)
-    )  # fmt: skip
+    moved_hessian, moved_gradient = np.zeros((3, 3)), np.zeros(3)
+    scale, damping = evidence * stride, 1.0
+    value, likelihood, matched = -np.inf, 0.0, 0
+    for _ in range(CLIMB_STEPS):
+        found, count = fit_at(grid, points, normals, moved, sigma, reach, stride, moved_hessian, moved_gradient)
+        new = scale * found + log_prior(moved, prior, information)
+        if new > value:
+            gained = new - value
+            pose[:] = moved
+            value, likelihood, matched, damping = new, found, count, 1.0
+            hessian, moved_hessian = moved_hessian, hessian
+            gradient, moved_gradient = moved_gradient, gradient
+            if gained < GAIN_ENOUGH:
+                break
+        else:
+            damping *= 0.4
+            if damping < LEAST_DAMPING:
+                break
+        step = solved(scale * hessian + information, scale * gradient + times(information, prior - pose))
+        longest = max(abs(step[0]), abs(step[1])) / LONGEST_STEP + abs(step[2]) / LONGEST_TURN_RAD
+        moved = pose + step * (damping / max(1.0, longest))
+    return pose, likelihood, matched * stride / max(1, len(points)), scale * hessian + information
 
 
 @compiled
-def found_pose(cells, table, first_row, first_col, points, normals, start, prior, information, rule):  # type: ignore[no-untyped-def]
-    """Like `best_pose`, and where too few beams fit there, look around in all headings of SEARCH_RAD and climb again."""
-    best = best_pose(cells, table, first_row, first_col, points, normals, start, prior, information, rule)
-    if best[2] >= SURE_MATCH:
-        return best
-    hessian, gradient = np.zeros((3, 3)), np.zeros(3)
-    stride = max(1, len(points) // SEARCH_BEAMS)
-    values, at = np.zeros(2 * SEARCH_STEPS + 1), start.copy()
-    best_value = rule[0] * best[1] + log_prior(best[0], prior, information)
-    for k in range(2 * SEARCH_STEPS + 1):
-        at[2] = start[2] + (k - SEARCH_STEPS) * SEARCH_STEP_RAD
-        found, _ = fit_at(
-            cells, table, first_row, first_col, points, normals, at, rule[1], 3, stride, hessian, gradient
-        )
-        values[k] = rule[0] * stride * found + log_prior(at, prior, information)
-    for _ in range(3):
-        k = int(np.argmax(values))
-        at[2] = start[2] + (k - SEARCH_STEPS) * SEARCH_STEP_RAD
-        values[max(0, k - 1) : k + 2] = -np.inf
-        other = best_pose(cells, table, first_row, first_col, points, normals, at, prior, information, rule)
-        value = rule[0] * other[1] + log_prior(other[0], prior, information)
-        if value > best_value:
-            best, best_value = other, value
-    return best
+def best_pose(
+    grid: CellMap, points: Floats, normals: Floats, start: Floats, prior: Floats, information: Floats, rule: Floats
+) -> tuple[Floats, float, float, Floats]:
+    """Climb on all beams with a narrow kernel; where few fit at the start, first on a third of them with a wide one.
+
+    Args:
+        grid: Map of one particle.
+        points: [N, 2] ends in the robot's frame.
+        normals: [N, 2] across the surfaces.
+        start: [3] where to begin.
+        prior: [3] mean of p(x | u).
+        information: [3, 3] inverse covariance of p(x | u).
+        rule: [3] as `matching_rule` gives it.
+
+    Returns:
+        As `climb`.
+    """
+    _, matched = likelihood_at(grid, points, normals, start, rule[2], NARROW_REACH, WIDE_STRIDE)
+    sure = WIDE_STRIDE * matched >= SURE_MATCH * len(points)
+    found = start, 0.0, 0.0, information
+    for phase in range(1 if sure else 0, 2):
+        sigma, reach, stride = (rule[1], WIDE_REACH, WIDE_STRIDE) if phase == 0 else (rule[2], NARROW_REACH, 1)
+        found = climb(grid, points, normals, found[0], prior, information, rule[0], sigma, reach, stride)
+    return found
+
+
+@inlined
+def log_prior(pose: Floats, prior: Floats, information: Floats) -> float:
+    """Return the log density of a Gaussian at a pose [3], without its constant."""
+    away = pose - prior
+    pulled = times(information, away)
+    squared: float = away[0] * pulled[0] + away[1] * pulled[1] + away[2] * pulled[2]
+    return -0.5 * squared

@@ -17,6 +17,11 @@ class PathTree:
         self._parents: list[NDArray[np.int64]] = []
         self._next_parents = np.arange(particles)
 
+    @property
+    def latest_s(self) -> float:
+        """Stamp of the latest keyframe."""
+        return self._stamps_s[-1] if self._stamps_s else 0.0
+
     def grow(self, stamp_s: float, poses: FloatArray) -> None:
         """Note where every particle [P, 3] is at a keyframe."""
         self._stamps_s.append(stamp_s)
