@@ -7,20 +7,21 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 from twonav_cli.errors import TwonavError
-from twonav_cli.geometry import FloatArray, Pose, distance_m, relative_pose, wrap_angle, wrap_angles
+from twonav_cli.geometry import FloatArray, Pose, compose, distance_m, relative_pose, wrap_angle, wrap_angles
 from twonav_cli.mapping.carmen_lines import CUT_OFF, CarmenLines, ScanLine, is_place, read_lines
 from twonav_cli.mapping.scan import RangeSensor, Reading, StampedPose
 
 SICK_LIMIT_M = 80.0
 """A SICK LMS measures up to here; 81.91 (or 8191) means that nothing was hit."""
 NOTHING_SHARE = 0.005
-"""A largest reading below that limit that comes this often, of all readings, is another finder's mark for nothing."""
+"""In a log without such readings, a largest one that comes this often is another finder's mark for nothing."""
 
 FIELD_OF_VIEW_RAD = math.pi
 """FLASER lines do not say it; the format's range finder looks half around."""
@@ -28,6 +29,10 @@ FIELD_OF_VIEW_RAD = math.pi
 MOUNT_TOLERANCE_M, MOUNT_TOLERANCE_RAD = 0.01, math.radians(0.5)
 MOUNT_SHARE = 0.9
 """Lines that must agree where the laser sits, to these tolerances."""
+
+JUMP_M, JUMP_MPS, FARTHEST_M = 2.0, 5.0, 30.0
+"""Odometry that goes farther than this from one scan to the next, and faster, was set anew in between; so it was,
+however long that took, where the two scans can have nothing in common."""
 
 OTHER_BEAMS, BACK_IN_TIME, NO_POSE = (
     "scans of another number of beams",
@@ -63,14 +68,24 @@ class LaserLog:
     def driven_m(self) -> float:
         """Length of the way by odometry, from the ODOM lines where there are any: they are closer together."""
         way = [stamped.pose for stamped in self.odometry] or [reading.pose_odom for reading in self.readings]
-        return sum(distance_m(a, b) for a, b in zip(way, way[1:], strict=False))
+        return sum(distance_m(a, b) for a, b in pairwise(way))
+
+    def first(self, scans: int) -> LaserLog:
+        """Return the log as if it had ended after so many scans."""
+        kept = self.readings[:scans]
+        odometry = [stamped for stamped in self.odometry if kept and stamped.stamp_s <= kept[-1].stamp_s]
+        return replace(self, readings=kept, odometry=odometry)
 
 
-def read_carmen(path: Path) -> LaserLog:
+def read_carmen(path: Path, mount: Pose | None = None) -> LaserLog:
     """Read a CARMEN log, plain or packed with gzip.
 
     FLASER lines are scans; their `ipc_timestamp` is the time. ODOM lines give the pose of scans that have none, or
     whose own never changes, and the length of the way. Everything else is counted.
+
+    Args:
+        path: The log.
+        mount: Where the laser sits on the robot, when it is known better than the log tells.
 
     Raises:
         TwonavError: There is no such file, it is not a text log, or there is no scan in it.
@@ -85,12 +100,12 @@ def read_carmen(path: Path) -> LaserLog:
     beams = _usual_beams(lines.scans)
     kept = [line for line in posed if len(line.ranges_m) == beams]
     left_out[OTHER_BEAMS] = len(posed) - len(kept)
-    timely = _going_on(kept)
+    timely = _without_jumps(_going_on(kept), warnings)
     left_out[BACK_IN_TIME] = len(kept) - len(timely)
     if not timely:
         raise TwonavError(f"{path} has no scan that can be used: no pose in the FLASER lines, and no ODOM lines")
     ranges_m = np.stack([line.ranges_m for line in timely])
-    sensor = RangeSensor(beam_angles(beams), _mount(timely, warnings), nothing_from_m(ranges_m))
+    sensor = RangeSensor(beam_angles(beams), mount or _mount(lines.scans, warnings), nothing_from_m(ranges_m))
     measured_m = np.where(np.isfinite(ranges_m) & (ranges_m > 0.0), ranges_m, np.nan)
     readings = [Reading(line.stamp_s, line.pose_odom, row) for line, row in zip(timely, measured_m, strict=True)]
     return LaserLog(sensor, readings, odometry, {what: count for what, count in left_out.items() if count}, warnings)
@@ -108,11 +123,11 @@ def beam_angles(beams: int) -> FloatArray:
 
 def nothing_from_m(ranges_m: FloatArray) -> float:
     """Return the reading from which on nothing was hit, from all readings [n, B] of a log."""
-    near = ranges_m[(ranges_m > 0.0) & (ranges_m < SICK_LIMIT_M)]  # a comparison with NaN is False
-    if not near.size:
+    measured = ranges_m[ranges_m > 0.0]  # a comparison with NaN is False
+    if not measured.size or measured.max() >= SICK_LIMIT_M:
         return SICK_LIMIT_M
-    largest_m = float(near.max())
-    common = np.count_nonzero(near == largest_m) >= max(NOTHING_SHARE * ranges_m.size, 2)
+    largest_m = float(measured.max())
+    common = np.count_nonzero(measured == largest_m) >= max(NOTHING_SHARE * ranges_m.size, 2)
     return largest_m if common else SICK_LIMIT_M
 
 
@@ -180,9 +195,31 @@ def _going_on(scans: list[ScanLine]) -> list[ScanLine]:
     return kept
 
 
+def _without_jumps(scans: list[ScanLine], warnings: list[str]) -> list[ScanLine]:
+    """Return the scans as if the robot had stood still where its odometry was set anew."""
+    joined: list[ScanLine] = []
+    offset: Pose | None = None
+    jumps: list[tuple[float, float]] = []
+    for before, line in zip(scans[:1] + scans, scans, strict=False):
+        away_m = distance_m(before.pose_odom, line.pose_odom)
+        if away_m > min(max(JUMP_M, JUMP_MPS * (line.stamp_s - before.stamp_s)), FARTHEST_M):
+            jumps.append((line.stamp_s, away_m))
+            offset = compose(joined[-1].pose_odom, relative_pose(line.pose_odom, Pose(0.0, 0.0, 0.0)))
+        pose = line.pose_odom if offset is None else compose(offset, line.pose_odom)
+        joined.append(line._replace(pose_odom=pose))
+    if jumps:
+        first_s, away_m = jumps[0]
+        warnings.append(
+            f"odometry jumps by {away_m:.1f} m at time {first_s:.6f} (jumps in all: {len(jumps)}): there the robot is "
+            "taken to stand still"
+        )
+    return joined
+
+
 def _mount(scans: list[ScanLine], warnings: list[str]) -> Pose:
     """Return where the laser sits on the robot as most lines say, in the middle where they do not agree."""
-    seen = [relative_pose(line.pose_odom, line.pose_laser) for line in scans if is_place(line.pose_laser)]
+    posed = [line for line in scans if is_place(line.pose_odom) and is_place(line.pose_laser)]
+    seen = [relative_pose(line.pose_odom, line.pose_laser) for line in posed]
     if not seen:
         return Pose(0.0, 0.0, 0.0)
     mounts = np.array(seen)  # [n, 3]

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twonav_cli.compiled import compiled
+from twonav_cli.errors import TwonavError
 
 TILE_BITS = 5
 TILE = 1 << TILE_BITS
@@ -38,6 +39,9 @@ FIRST_EDGE = 32
 
 MARGIN = FIRST_EDGE // 2
 """Tiles that a table grows by beyond what is needed, so that the next few metres find room."""
+
+MOST_CELLS = 40_000
+"""Edge of the largest map (ours: two kilometres at 5 cm)."""
 
 Cells = NDArray[np.int16]
 Table = NDArray[np.int32]
@@ -93,13 +97,22 @@ class TileStore:
         return CellMap(self.cells, self.walls, self.tables[particle], self.first_row, self.first_col)
 
     def cover(self, low_row: int, low_col: int, high_row: int, high_col: int) -> None:
-        """Make the tables large enough for the cells from one corner to the other, both included."""
+        """Make the tables large enough for the cells from one corner to the other, both included.
+
+        Raises:
+            TwonavError: They would be larger than any building.
+        """
         rows, cols = self.tables.shape[1] * TILE, self.tables.shape[2] * TILE
         below, left = -(-(self.first_row - low_row) // TILE), -(-(self.first_col - low_col) // TILE)
         above = (high_row - self.first_row - rows) // TILE + 1
         right = (high_col - self.first_col - cols) // TILE + 1
         if max(below, left, above, right) <= 0:
             return
+        across = max(rows, high_row - low_row, cols, high_col - low_col, -low_row, -low_col, high_row, high_col)
+        if across > MOST_CELLS:
+            raise TwonavError(
+                f"the map would be {across:,} cells wide: look for a jump in the odometry, or take larger cells"
+            )
         below, above, left, right = (n + MARGIN if n > 0 else 0 for n in (below, above, left, right))
         self.tables = np.pad(self.tables, ((0, 0), (below, above), (left, right)), constant_values=NO_TILE)
         self.first_row -= below * TILE

@@ -244,6 +244,8 @@ def _points(values: Sequence[Marks], *, with_labels: bool) -> Any:
 
 
 def scalars(entity: str) -> Callable[[Sequence[Any]], Filled]:
+    """Return what fills a curve, or several of one entity."""
+
     def fill(values: Sequence[Any]) -> Filled:
         return [(entity, rr.Scalars.columns(scalars=np.array(values, dtype=np.float64)))]
 
@@ -289,7 +291,7 @@ def log_columns(values: Sequence[tuple[str, str]]) -> Filled:
 
 
 def rows(entity: str) -> Callable[[Sequence[dict[str, Any]]], Filled]:
-    """Machine-readable rows; every value has the same keys."""
+    """Return what fills machine-readable rows; every value has the same keys."""
 
     def fill(values: Sequence[dict[str, Any]]) -> Filled:
         columns: dict[str, Any] = {key: [value[key] for value in values] for key in values[0]}

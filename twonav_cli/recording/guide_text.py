@@ -66,15 +66,48 @@ _FIT = """
 * The timelines are `batch`, `epoch` and `sim_time`; switch at the lower left.
 """
 
+_MAP = """
+## What went wrong, and why
+1. The recording opens on the last keyframe, with the whole map. Drag the cursor to the left (or press space) and watch
+   it grow: a wall that is drawn twice, or a room that is turned, begins at one keyframe.
+2. Red dots with a number are the keyframes where something went wrong; the log says what. **No match**: scan matching
+   failed, so that particles kept odometry. **Jump**: scan matching moved the robot far from where odometry led.
+   **Lost** (only in a simulation): the best particle is far from where the robot is.
+3. Few effective particles, drawn again and again, mean that one particle decides everything: what it gets wrong, stays.
+   A map that breaks where a loop closes needs more particles; one that breaks in a long corridor needs better odometry.
+4. When another particle becomes the best, map and way are its own: the log says how far the way moved.
+
+## The map (metres, y up; the robot starts at 0, 0 unless a scene says otherwise)
+| colour | what |
+|---|---|
+| white, black, grey | free, occupied, never seen |
+| magenta arrow, line | the best particle, and the way that it believes to have come |
+| orange arrow, line | where odometry alone leads |
+| blue arrow, line; red line | where the robot is (only in a simulation); the error |
+| green dots | the scan of this keyframe, where the best particle believes it to lie |
+| small arrows | all particles, before they are drawn again: bright ones weigh most |
+
+The picture of the map and the ways are drawn every few keyframes; everything else at every one.
+
+## The curves
+* **Particles**: the effective number, 1 / (sum of squared weights); below half of all, particles are drawn again.
+* **Correction of odometry's guess**: how far scan matching moved it, from one keyframe to the next.
+* **Spread**: standard deviation over the particles. It grows in unknown land and shrinks where a loop closes.
+* **Distance from odometry alone**: what all corrections add up to.
+
+`keyframe` counts the scans that went into the map, `time` is seconds since the first scan. For programs: `/keyframes`
+holds these numbers of every keyframe, `/drawings` the size of the map; `twonav inspect FILE` sums them up.
+"""
+
 
 def about(event: RunStarted, kind: str) -> str:
     """Return the text of the "About" tab in Markdown."""
     settings = "\n".join(f"| {name} | {value} |" for name, value in event.settings.items())
     table = f"\n## Settings\n| setting | value |\n|---|---|\n{settings}\n" if settings else ""
-    body = {"3d": _DRIVE, "maze": _MAZE, "localizer": _FIT}[kind]
+    body = {"3d": _DRIVE, "maze": _MAZE, "localizer": _FIT, "map": _MAP}[kind]
     timelines = (
         ""
-        if kind == "localizer"
+        if kind in ("localizer", "map")
         else "\n`step` counts actions over the whole run, `trial` attempts at a goal, `sim_time` simulated seconds.\n"
     )
     return (

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import rerun.blueprint as rrb
+from rerun.blueprint.encodings import TimelineColumn
 
 from twonav_cli.grid import GridFrame
 from twonav_cli.recording import views
-from twonav_cli.recording.mapping_columns import UNKNOWN_GREY
+from twonav_cli.recording.mapping_picture import UNKNOWN_GREY
 
 BEYOND = [UNKNOWN_GREY] * 3
 """Around the map nothing is known either."""
-NEAR_M = 2.0
+NEAR_M = 1.5
 """Half the width of the view that goes along with the robot."""
 KEYFRAMES_PER_S = 10
 """When the recording is played."""
@@ -33,19 +34,12 @@ def mapping_blueprint(frame: GridFrame, *, truth: bool) -> rrb.Blueprint:
     )
     near = rrb.Spatial2DView(
         origin="/mapping/map/here",
-        contents=["/mapping/**", "- /mapping/map/trouble", "- /mapping/map/odometry/**"],
-        name="Around the robot: scan as believed, particles (bright: heavy)",
+        contents=["/mapping/**", "- /mapping/map/trouble/**", "- /mapping/map/best/place"],
+        name="Around the robot: the scan as it believes, all particles (bright: heavy)",
         visual_bounds=rrb.VisualBounds2D(x_range=[-NEAR_M, NEAR_M], y_range=[-NEAR_M, NEAR_M]),
         background=BEYOND,
     )
-    last = (
-        views.plot("/curves/error_m", "Distance from the truth [m]")
-        if truth
-        else views.plot("/curves/correction_m", "How far scan matching moved odometry's guess [m]")
-    )
-    beside = rrb.Vertical(
-        near, _filter_plot(), last, views.log(["keyframe", "time"]), row_shares=[7, 3, 3, 4]
-    )
+    beside = rrb.Vertical(near, _filter_plot(), _metres(truth), _log(), row_shares=[7, 3, 3, 4])
     main = rrb.Horizontal(map_, beside, column_shares=[5, 3], name="Map")
     time = rrb.TimePanel(timeline="keyframe", state="collapsed", play_state="following", fps=KEYFRAMES_PER_S)
     tabs = rrb.Tabs(main, _curves(truth), views.about_tab(), active_tab=0, name="twonav")
@@ -56,15 +50,30 @@ def _filter_plot() -> rrb.TimeSeriesView:
     return views.plot("/filter", "Particles: effective number, drawn again (diamond), without a match")
 
 
-def _curves(truth: bool) -> rrb.Grid:
-    """Return every number of the keyframes side by side."""
+def _metres(truth: bool) -> rrb.TimeSeriesView:
+    """Return the three lengths that tell how sure the mapper is, and whether it is right to be."""
+    curves = ["/curves/correction_m", "/curves/spread_m", *(["/curves/error_m"] if truth else [])]
+    title = "Correction of odometry's guess, spread of the particles" + (", error" if truth else "")
+    return views.plot("/curves", f"{title} [m]", contents=curves)
+
+
+def _log() -> rrb.TextLogView:
+    """Return what is worth knowing; the level DEBUG, every drawing of particles, can be switched on."""
+    columns = rrb.TextLogColumns(timeline_columns=[TimelineColumn("keyframe")], text_log_columns=["LogLevel", "Body"])
+    rows = rrb.TextLogRows(filter_by_log_level=["INFO", "WARN", "ERROR", "CRITICAL"])
+    return rrb.TextLogView(origin="/log", name="What happened, and why", columns=columns, rows=rows)
+
+
+def _curves(truth: bool) -> rrb.Vertical:
+    """Return every number of the keyframes, metres on the left, degrees on the right."""
     pairs = [
-        ("correction", "Scan matching moved odometry's guess by"),
+        ("correction", "Correction of odometry's guess"),
         ("spread", "Spread of the particles"),
         ("from_odometry", "Distance from odometry alone"),
-        *([("error", "Distance from the truth")] if truth else []),
+        *([("error", "Error: distance from the truth")] if truth else []),
     ]
-    plots = [
-        views.plot(f"/curves/{name}_{unit}", f"{title} [{unit}]") for name, title in pairs for unit in ("m", "deg")
+    rows = [
+        rrb.Horizontal(*(views.plot(f"/curves/{name}_{unit}", f"{title} [{unit}]") for unit in ("m", "deg")))
+        for name, title in pairs
     ]
-    return rrb.Grid(_filter_plot(), rrb.TimeSeriesView(origin="/none", name=" "), *plots, grid_columns=2, name="Curves")
+    return rrb.Vertical(_filter_plot(), *rows, name="Curves")

@@ -12,22 +12,16 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from twonav_cli.events import MapDrawn
 from twonav_cli.geometry import Pose
-from twonav_cli.grid import GridFrame
 from twonav_cli.recording.columns import Filled, Marks, rows, scalars
 from twonav_cli.recording.palette import VIRIDIS, UintArray
 
 FloatArray = NDArray[np.float64]
 
-ARROW_M = 0.6
-PARTICLE_ARROW_M = 0.12
-
-OCCUPIED_GREY, UNKNOWN_GREY, FREE_GREY = 16, 118, 238
-_GREY_OF = np.full(256, UNKNOWN_GREY, dtype=np.uint8)
-_GREY_OF[0], _GREY_OF[254] = OCCUPIED_GREY, FREE_GREY
-"""Value of a map's pixel to the grey it is drawn in."""
-
+ARROW_M = 0.4
+PARTICLE_ARROW_M = 0.15
+NAMED = 4
+"""Troubles with a name on the map, the latest ones."""
 
 CURVES = {
     "effective": "filter/effective",
@@ -44,13 +38,6 @@ CURVES = {
 """Field of `KeyframeFigures` to the entity of its curve."""
 
 
-class Picture(NamedTuple):
-    """A map as it is recorded."""
-
-    png: bytes
-    frame: GridFrame
-
-
 class Particles(NamedTuple):
     """The particles of one keyframe."""
 
@@ -60,29 +47,10 @@ class Particles(NamedTuple):
     """[P]"""
 
 
-def picture_of(event: MapDrawn) -> Picture:
-    """Return the map as a PNG, which is a fiftieth of its pixels."""
-    import cv2
-
-    encoded = cv2.imencode(".png", _GREY_OF[event.pixels], [cv2.IMWRITE_PNG_COMPRESSION, 6])[1]
-    return Picture(encoded.tobytes(), event.frame)
-
-
 def weight_colours(weights: FloatArray) -> UintArray:
     """Return a colour per particle [P]: dark where it weighs nothing, bright where it weighs most."""
     share = weights / max(float(weights.max(initial=0.0)), 1e-12)
     return np.asarray(VIRIDIS[np.clip(share * 255.0, 0, 255).astype(np.intp)])
-
-
-def picture_columns(values: Sequence[Picture]) -> Filled:
-    """The map's picture, and where its top left corner lies."""
-    corner = np.array([(v.frame.x_min_m, v.frame.y_max_m, 0.0) for v in values])
-    scale = np.array([(v.frame.resolution_m, -v.frame.resolution_m, 1.0) for v in values])
-    blobs = [v.png for v in values]
-    return [
-        ("mapping/map/picture", rr.EncodedImage.columns(blob=blobs, media_type=["image/png"] * len(blobs))),
-        ("mapping/map/picture", rr.Transform3D.columns(translation=corner, scale=scale)),
-    ]
 
 
 def particle_columns(values: Sequence[Particles]) -> Filled:
@@ -103,6 +71,7 @@ def best_columns(values: Sequence[Pose]) -> Filled:
     flip = np.tile((1.0, -1.0, 1.0), (len(poses), 1))
     return [
         ("mapping/map/best", _arrows(poses)),
+        ("mapping/map/best/place", rr.Points2D.columns(positions=poses[:, :2])),
         ("mapping/map/here", rr.Transform3D.columns(translation=here, scale=flip)),
     ]
 
@@ -140,19 +109,24 @@ def _strip(entity: str) -> Callable[[Sequence[Any]], Filled]:
 
 
 def trouble_columns(values: Sequence[Marks]) -> Filled:
-    """The places where something went wrong, with their names."""
+    """The places where something went wrong, the latest ones with their names."""
     lengths = [len(v.points) for v in values]
-    points = np.concatenate([np.array(v.points, dtype=np.float32) for v in values])
-    labels = [label for v in values for label in v.labels]
-    columns = [
-        *rr.Points2D.columns(positions=points).partition(lengths),
-        *rr.Points2D.columns(labels=labels).partition(lengths),
+    places = np.concatenate([np.array(v.points, dtype=np.float32) for v in values])
+    latest = [v.points[-NAMED:] for v in values]
+    named = np.concatenate([np.array(points, dtype=np.float32) for points in latest])
+    counts = [len(points) for points in latest]
+    labels = [label for v in values for label in v.labels[-NAMED:]]
+    names = [
+        *rr.Points2D.columns(positions=named).partition(counts),
+        *rr.Points2D.columns(labels=labels).partition(counts),
     ]
-    return [("mapping/map/trouble", columns)]
+    return [
+        ("mapping/map/trouble", rr.Points2D.columns(positions=places).partition(lengths)),
+        ("mapping/map/trouble/latest", names),
+    ]
 
 
 MAPPING_COLUMNS: dict[str, Callable[[Sequence[Any]], Filled]] = {
-    "mapping/picture": picture_columns,
     "mapping/particles": particle_columns,
     "mapping/best": best_columns,
     "mapping/truth": truth_columns,

@@ -13,6 +13,8 @@ import numpy as np
 from twonav_cli.events import KeyframeMapped
 from twonav_cli.geometry import FloatArray, Pose, compose, distance_m, relative_pose, wrap_angle, wrap_angles
 
+DIGITS = 9
+
 
 @dataclass(frozen=True)
 class KeyframeFigures:
@@ -75,7 +77,8 @@ def spread(poses: FloatArray, weights: FloatArray) -> tuple[float, float]:
     heading_rad = math.atan2(share @ np.sin(poses[:, 2]), share @ np.cos(poses[:, 2]))
     away_m2 = ((poses[:, :2] - mean) ** 2).sum(axis=1)
     away_rad2 = wrap_angles(poses[:, 2] - heading_rad) ** 2
-    return math.sqrt(share @ away_m2), math.sqrt(share @ away_rad2)
+    # Particles that are all the same differ by rounding, which no plot should be about.
+    return round(math.sqrt(share @ away_m2), DIGITS), round(math.sqrt(share @ away_rad2), DIGITS)
 
 
 def moved_most(before: FloatArray, now: FloatArray) -> tuple[int, float]:

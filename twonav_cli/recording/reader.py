@@ -14,6 +14,7 @@ from rerun.chunk import RrdReader
 
 from twonav_cli.errors import TwonavError
 from twonav_cli.recording.flight import has_failed
+from twonav_cli.recording.mapped import MappingSummary, mapping_summary
 from twonav_cli.recording.trained_goals import TrainedGoal, Walked, trained_goals
 
 MAGIC = b"RRF2"
@@ -63,7 +64,7 @@ class Summary:
 
     path: Path
     kind: str
-    """"maze", "3d" or "localizer"."""
+    """"map", "maze", "3d" or "localizer"."""
     command: str
     scene: str
     stage: str
@@ -85,6 +86,8 @@ class Summary:
     """What the run said at its end; empty when it never said it."""
     whole: bool
     """Whether the writer closed the file; a killed one did not."""
+    mapping: MappingSummary | None = None
+    """How the mapping went, in a recording of the mapper."""
 
     @property
     def failures(self) -> tuple[TrialRow, ...]:
@@ -130,6 +133,7 @@ def summarize(path: Path) -> Summary:
         metrics=_last_metrics(chunks),
         ending=endings[-1] if endings else "",
         whole=whole,
+        mapping=mapping_summary(list(_rows(chunks.get("/keyframes", []))), list(_rows(chunks.get("/drawings", [])))),
     )
 
 
@@ -156,7 +160,9 @@ def _chunks(path: Path) -> tuple[dict[str, list[Any]], bool]:
     return found, not any("footer" in str(complaint.message) for complaint in complaints)
 
 
-_READ = {"/trials", "/totals", "/choices", "/learned", "/added", "/ending", "/__properties/run"}
+_READ = {
+    "/trials", "/totals", "/choices", "/learned", "/added", "/ending", "/keyframes", "/drawings", "/__properties/run",
+}  # fmt: skip
 
 
 def _rows(batches: list[Any]) -> Iterator[dict[str, Any]]:

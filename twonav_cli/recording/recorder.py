@@ -28,13 +28,17 @@ from twonav_cli.recording.flight import Detail, FlightRule, has_failed
 from twonav_cli.recording.goal_list import GoalList
 from twonav_cli.recording.guide_text import about
 from twonav_cli.recording.learning_rows import LearningRows
-from twonav_cli.recording.rrd_file import FITTING_TIMELINES, TIMELINES, RrdFile
+from twonav_cli.recording.mapping_rows import MappingRows
+from twonav_cli.recording.rrd_file import FITTING_TIMELINES, MAPPING_TIMELINES, TIMELINES, RrdFile
 from twonav_cli.recording.scenery import write_floor, write_goals, write_looks
 from twonav_cli.recording.snapshots import AT_ONCE, TableSnapshots
 from twonav_cli.recording.table_scenery import write_table_scenery
 
-APPLICATION_IDS = {"maze": "twonav_maze_2", "3d": "twonav_mujoco_2", "localizer": "twonav_fit"}
+APPLICATION_IDS = {"maze": "twonav_maze_2", "3d": "twonav_mujoco_2", "localizer": "twonav_fit", "map": "twonav_map"}
 """Stage to application id: one id, one layout, for the viewer keeps the layout of the first file of an id."""
+
+KIND_TIMELINES = {"localizer": FITTING_TIMELINES, "map": MAPPING_TIMELINES}
+"""Kinds whose clock counts something else than actions and trials."""
 
 FORMAT = 1
 STEPS_PER_SHIPMENT = 50
@@ -63,7 +67,7 @@ class Recorder:
 
         Args:
             path: Must end in .rrd; a file that is there is replaced.
-            kind: "maze", "3d" or "localizer".
+            kind: "map", "maze", "3d" or "localizer".
             every_trial: Keep every trial in full; else failed ones, the first five and every twentieth.
             budget_mb: Size after which only one row per trial is written.
 
@@ -75,8 +79,7 @@ class Recorder:
         self.path = Path(path)
         self._kind = kind
         self._rule = FlightRule(every_trial=every_trial, budget_bytes=int(budget_mb * 1e6))
-        timelines = FITTING_TIMELINES if kind == "localizer" else TIMELINES
-        self._file = RrdFile(self.path, APPLICATION_IDS[kind], timelines)
+        self._file = RrdFile(self.path, APPLICATION_IDS[kind], KIND_TIMELINES.get(kind, TIMELINES))
         self._clock = Clock()
         self._trial: Clock | None = None
         self._trials = 0
@@ -144,6 +147,8 @@ class Recorder:
         self._file.always("readme", rr.TextDocument(about(event, self._kind), media_type="text/markdown"))
         if self._kind == "localizer":
             self._take_fitting()
+        elif self._kind == "map":
+            self._take_mapping()
         elif event.maze is not None:
             self._take_trials(event)
         self._file.ship(Detail.FULL)
@@ -153,6 +158,12 @@ class Recorder:
         self._file.show(fitting_blueprint([]))
         self._takers[events.FittingStep] = [rows.step]
         self._takers[events.FittingValidated] = [rows.validated]
+
+    def _take_mapping(self) -> None:
+        rows = MappingRows(self._file, lambda: self._rule.level(0, True, self._file.size_bytes))
+        self._takers[events.KeyframeMapped] = [rows.keyframe]
+        self._takers[events.MapDrawn] = [rows.drawn]
+        self._finish = [rows.close]
 
     def _take_trials(self, event: events.RunStarted) -> None:
         maze, always = event.maze, self._file.always

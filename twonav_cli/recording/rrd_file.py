@@ -137,12 +137,12 @@ class RrdFile:
     def time_columns(self, clocks: list[Clock]) -> list[rr.TimeColumn]:
         """Return the timelines [n] of some rows."""
         first, second, third = self._timelines
-        steps, trials = (np.array(number, dtype=np.int64) for number in zip(*((c.step, c.trial) for c in clocks)))
-        return [
-            rr.TimeColumn(first, sequence=steps),
-            *([] if second is None else [rr.TimeColumn(second, sequence=trials)]),
-            rr.TimeColumn(third, duration=np.array([clock.time_s for clock in clocks], dtype=np.float64)),
-        ]
+        columns = [rr.TimeColumn(first, sequence=np.array([clock.step for clock in clocks], dtype=np.int64))]
+        if second is not None:
+            trials = np.array([clock.trial for clock in clocks], dtype=np.int64)
+            columns.append(rr.TimeColumn(second, sequence=trials))
+        times_s = np.array([clock.time_s for clock in clocks], dtype=np.float64)
+        return [*columns, rr.TimeColumn(third, duration=times_s)]
 
     def close(self) -> None:
         """Flush and write the footer."""
