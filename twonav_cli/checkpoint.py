@@ -123,7 +123,10 @@ def load_checkpoint(
             f"({card.get('scene', 'unknown')}): train it again for this one"
         )
     if map_digest is not None and card.get("map_digest") != map_digest:
-        raise TwonavError(f"the {kind} in {folder} was made on another map: train it again on this one")
+        raise TwonavError(
+            f"the {kind} in {folder} was made on another map of the scene: train it again on this one, "
+            "or say which map is meant with --map-from"
+        )
     path = folder / ARRAYS_FILE
     try:
         content = path.read_bytes()

@@ -118,6 +118,25 @@ def test_an_agent_of_another_map_is_refused(places: tuple[Path, Path], floor: Fl
         load_agent(floor, "maze")
 
 
+def test_of_two_agents_the_one_of_this_map_is_taken(places: tuple[Path, Path], floor: Floor) -> None:
+    other = put_agent(places[0] / "kitchen" / "maze", floor, 1.0)
+    card = {"scene": "kitchen", "scene_digest": floor.scene.digest, "map_digest": "f" * 16}
+    Agent.load(other).save(other, {**card, "command": "test", "seed": 0, "metrics": {}})
+    own = put_agent(places[1] / "kitchen" / "maze", floor, 2.0)
+    digests = (floor.scene.digest, floor.map.digest)
+    assert checkpoint_folder("kitchen", "maze", None, False, *digests) == own
+    assert checkpoint_folder("kitchen", "maze", None, False, floor.scene.digest) == other
+    assert checkpoint_folder("kitchen", "maze", None, False, floor.scene.digest, "f" * 16) == other
+    assert checkpoint_folder("kitchen", "maze", None, True, floor.scene.digest, "0" * 16) == own
+    assert load_agent(floor, "maze").q.max() == 2.0
+
+
+def test_an_agent_of_this_scene_goes_before_one_of_another(places: tuple[Path, Path], floor: Floor) -> None:
+    put_card(places[0] / "kitchen" / "maze")
+    own = put_agent(places[1] / "kitchen" / "maze", floor, 2.0)
+    assert checkpoint_folder("kitchen", "maze", None, False, floor.scene.digest, "f" * 16) == own
+
+
 def test_a_missing_localizer_is_answered_with_the_command_that_makes_it(
     places: tuple[Path, Path], floor: Floor
 ) -> None:

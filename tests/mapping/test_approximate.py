@@ -4,7 +4,7 @@ import pytest
 from twonav_cli.errors import TwonavError
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell, GridFrame
-from twonav_cli.mapping.approximate import approximate_maze, blocked_cells
+from twonav_cli.mapping.approximate import approximate_maze, blocked_cells, largest_maze
 from twonav_cli.mapping.occupancy import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 
 FRAME = GridFrame(-0.4, 0.0, 0.05, 16, 24)  # 2 x 3 cells of 0.4 m
@@ -67,3 +67,28 @@ def test_cells_that_would_not_be_full_are_dropped() -> None:
 def test_cells_of_broken_pixels_are_refused() -> None:
     with pytest.raises(TwonavError, match="not whole pixels"):
         approximate_maze(map_with(), {"a": UPPER_RIGHT}, {}, resolution_m=0.42)
+
+
+def test_a_map_without_goals_keeps_its_largest_connected_part() -> None:
+    map_ = map_with(above=(0, 8, OCCUPIED), below=(8, 8, UNKNOWN), corner=(15, 0, OCCUPIED))
+    maze, frame = largest_maze(map_)
+    assert maze.blocked.tolist() == [[True, True, False], [True, True, False]]
+    assert (maze.goals, maze.starts) == ({}, {})
+    assert frame.shape == (2, 3)
+
+
+def test_cells_of_a_map_of_other_pixels_are_as_near_to_40_cm_as_they_can_be() -> None:
+    frame = GridFrame(0.0, 0.0, 0.03, 26, 39)
+    maze, cells = largest_maze(OccupancyMap(frame, np.full(frame.shape, FREE, dtype=np.uint8)))
+    assert maze.blocked.shape == (2, 3)
+    assert cells.resolution_m == pytest.approx(0.39)
+
+
+def test_a_map_without_a_free_cell_or_smaller_than_one_has_no_maze() -> None:
+    values = np.full(FRAME.shape, FREE, dtype=np.uint8)
+    values[3::8, 3::8] = OCCUPIED
+    with pytest.raises(TwonavError, match=r"no 0\.40 m cell of the map is free"):
+        largest_maze(OccupancyMap(FRAME, values))
+    small = GridFrame(0.0, 0.0, 0.05, 4, 4)
+    with pytest.raises(TwonavError, match="smaller than one maze cell"):
+        largest_maze(OccupancyMap(small, np.full((4, 4), FREE, dtype=np.uint8)))

@@ -45,3 +45,25 @@ def test_room_for_a_radius_is_measured_to_the_near_border_of_a_pixel():
     occupied[0, 0] = True
     free = free_for_radius(occupied, 0.05, 0.2)
     assert int(np.argmax(free[0])) == 5
+
+
+def test_a_weight_makes_the_way_go_round_dear_places():
+    weight = np.ones((5, 7))
+    weight[2, 1:6] = 10.0
+    straight = FreeSpace(np.ones((5, 7), dtype=bool)).path(Cell(2, 0), Cell(2, 6))
+    round_ = FreeSpace(np.ones((5, 7), dtype=bool), weight).path(Cell(2, 0), Cell(2, 6))
+    assert all(cell.row == 2 for cell in straight)
+    assert {cell.row for cell in round_[1:-1]} in ({1}, {3})
+    lengths = FreeSpace(np.ones((1, 3), dtype=bool), np.array([[1.0, 3.0, 3.0]])).distances(Cell(0, 0))
+    assert lengths.tolist() == [[0.0, 2.0, 5.0]]
+
+
+def test_one_search_gives_the_ways_to_every_cell():
+    free = np.ones((4, 6), dtype=bool)
+    free[1:, 3] = False
+    tree = FreeSpace(free).tree(Cell(3, 0))
+    assert tree.path_to(Cell(3, 0)) == [Cell(3, 0)]
+    for goal in (Cell(0, 5), Cell(3, 5), Cell(2, 1)):
+        assert tree.path_to(goal) == path(free, Cell(3, 0), goal)
+    with pytest.raises(TwonavError, match="no path"):
+        tree.path_to(Cell(2, 3))

@@ -90,8 +90,8 @@ def test_other_stages_refuse_the_options_of_the_maze(twonav: Twonav, stage: str,
     [
         ("maze", ["--images", "5"], "--images is for --stage localizer only"),
         ("3d", ["--images", "5"], "--images is for --stage localizer only"),
-        ("maze", ["--base", "omni"], "--base is for --stage 3d only"),
-        ("localizer", ["--base", "differential"], "--base is for --stage 3d only"),
+        ("maze", ["--base", "omni"], "--base is for --stage map and --stage 3d only"),
+        ("localizer", ["--base", "differential"], "--base is for --stage map and --stage 3d only"),
     ],
 )
 def test_a_stage_refuses_what_it_does_not_use(twonav: Twonav, stage: str, arguments: list[str], said: str) -> None:

@@ -1,7 +1,9 @@
 """Taking the frames: renders every pose of a plan into memory-mapped files, and goes on after a kill.
 
-A data set is a folder: `frames.npy` uint8 [N, 84, 84, 3], `poses.npy` float32 [N, 3], `kinds.npy` and `splits.npy`
-uint8 [N], `meta.json` (what it shows), `progress.json` (how many frames are there).
+A data set is a folder: `frames.npy` uint8 [N, 84, 84, 3], `poses.npy` float32 [N, 3] (where the robot stood),
+`kinds.npy` and `splits.npy` uint8 [N], `meta.json` (what it shows), `progress.json` (how many frames are there). Where
+the robot itself found out where it stood, `labels.npy` float32 [N, 3] holds that, not a number where it did not; else
+the poses are the labels.
 """
 
 from __future__ import annotations
@@ -24,12 +26,18 @@ from twonav_cli.geometry import Pose
 
 FORMAT = 1
 FRAMES_FILE, POSES_FILE, KINDS_FILE, SPLITS_FILE = "frames.npy", "poses.npy", "kinds.npy", "splits.npy"
+LABELS_FILE = "labels.npy"
 META_FILE, PROGRESS_FILE = "meta.json", "progress.json"
+MAPPER, SIMULATOR = "mapper", "simulator"
+"""Who says where the frames were taken."""
+
 IMAGE_SHAPE = (IMAGE_PX, IMAGE_PX, 3)
 
 Render = Callable[[Pose], NDArray[np.uint8]]
+Label = Callable[[int, Pose], Pose | None]
 Progress = Callable[[int, int], None]
 Frames = np.memmap[Any, np.dtype[np.uint8]]
+Labels = np.memmap[Any, np.dtype[np.float32]]
 
 _CHUNK = 500
 """Frames between two marks of progress: about half a second of rendering is lost by a kill."""
@@ -44,6 +52,10 @@ class Provenance:
     seed: int
     render: dict[str, Any] = field(default_factory=dict)
     """Settings of the camera; training and running must use the same."""
+    labels: str = SIMULATOR
+    """Who says where the frames were taken: MAPPER or SIMULATOR."""
+    map_digest: str | None = None
+    """Of the map that the labels are from."""
 
 
 def collect(
@@ -53,8 +65,9 @@ def collect(
     provenance: Provenance,
     progress: Progress | None = None,
     should_stop: Callable[[], bool] | None = None,
+    label: Label | None = None,
 ) -> Path:
-    """Render what is missing of a data set (§4.1; the robot is placed, not driven: ours).
+    """Render, and label, what is missing of a data set (§4.1; the robot is placed, not driven: ours).
 
     Args:
         render: Places the robot at a pose and returns what its camera sees, uint8 [84, 84, 3] RGB.
@@ -63,6 +76,7 @@ def collect(
         provenance: Scene, seed and render settings.
         progress: Told (frames there, frames wanted) every few hundred frames.
         should_stop: Asked every few hundred frames; True ends early, and the next call goes on from there.
+        label: Called right after `render` with the frame's number and pose; returns where the robot finds itself.
 
     Returns:
         The folder.
@@ -72,15 +86,21 @@ def collect(
     """
     try:
         frames, done = _opened(plan, folder, provenance)
+        labels = _opened_labels(folder, len(plan.poses)) if label is not None else None
         total = len(plan.poses)
         while done < total and not (should_stop and should_stop()):
             end = min(done + _CHUNK, total)
             for index in range(done, end):
-                image = render(Pose(*(float(value) for value in plan.poses[index])))
+                pose = Pose(*(float(value) for value in plan.poses[index]))
+                image = render(pose)
                 if image.shape != IMAGE_SHAPE or image.dtype != np.uint8:
                     raise TwonavError(f"the camera gave {image.dtype} {image.shape}, not uint8 {IMAGE_SHAPE}")
                 frames[index] = image
+                if label is not None and labels is not None:
+                    labels[index] = label(index, pose) or (np.nan, np.nan, np.nan)
             frames.flush()
+            if labels is not None:
+                labels.flush()
             done = end
             _write_progress(folder, done)
             if progress:
@@ -103,7 +123,7 @@ def _opened(plan: FramePlan, folder: Path, provenance: Provenance) -> tuple[Fram
     meta = {"format": FORMAT, "frames": len(plan.poses), "plan": plan.digest, **asdict(provenance)}
     path = folder / META_FILE
     if path.exists() and (folder / FRAMES_FILE).exists():
-        if _read_json(path) != json.loads(json.dumps(meta)):
+        if _with_defaults(_read_json(path)) != json.loads(json.dumps(meta)):
             raise TwonavError(f"{folder} holds frames of another scene, plan or seed: delete it or name another folder")
         frames = np.lib.format.open_memmap(folder / FRAMES_FILE, mode="r+")
         if frames.shape != (len(plan.poses), *IMAGE_SHAPE):
@@ -120,6 +140,29 @@ def _opened(plan: FramePlan, folder: Path, provenance: Provenance) -> tuple[Fram
     )
     write_whole(path, json.dumps(meta, indent=2) + "\n")
     return frames, 0
+
+
+def _opened_labels(folder: Path, count: int) -> Labels:
+    """Return the writable labels [N, 3] of a data set.
+
+    Raises:
+        TwonavError: Some of the frames that are there have none.
+    """
+    path = folder / LABELS_FILE
+    if path.exists():
+        labels = np.lib.format.open_memmap(path, mode="r+")
+        if labels.shape == (count, 3) and labels.dtype == np.float32:
+            return labels
+    if path.exists() or frames_done(folder):
+        raise TwonavError(f"{path} is missing or damaged: delete {folder} and collect again")
+    labels = np.lib.format.open_memmap(path, mode="w+", dtype=np.float32, shape=(count, 3))
+    labels[:] = np.nan
+    return labels
+
+
+def _with_defaults(meta: Any) -> Any:
+    """Return what a data set says of itself; one that was made before there were labels has the simulator's."""
+    return {"labels": SIMULATOR, "map_digest": None, **meta} if isinstance(meta, dict) else meta
 
 
 def _write_progress(folder: Path, done: int) -> None:

@@ -62,7 +62,7 @@ def plan_frames(
     """Choose the poses of a data set.
 
     Args:
-        occupied: [R, C] occupied pixels of the map.
+        occupied: [R, C] pixels of the map that are not free: what is unknown is left out as well (§4.1).
         frame: Where the map lies.
         seeds: Poses the robot can be at, for example the scene's starts.
         config: How many frames.

@@ -18,8 +18,10 @@ from twonav_cli.dataset.collect import (
     FRAMES_FILE,
     IMAGE_SHAPE,
     KINDS_FILE,
+    LABELS_FILE,
     META_FILE,
     POSES_FILE,
+    SIMULATOR,
     SPLITS_FILE,
     frames_done,
 )
@@ -36,7 +38,8 @@ class FrameStore:
 
     Attributes:
         frames: [N, 84, 84, 3] uint8 RGB, memory-mapped, read only.
-        poses: [N, 3] float32, map frame.
+        poses: [N, 3] float32, where the robot stood, map frame; only what is measured is measured against them.
+        labels: [N, 3] float32, where it is said to have stood: what is learned from; not a number where nobody knew.
         kinds: [N] uint8: GRID, RANDOM or HELD_OUT.
         splits: [N] uint8: TRAIN, VALIDATION or TEST.
         meta: Scene, digest, seed and render settings.
@@ -44,6 +47,7 @@ class FrameStore:
 
     frames: NDArray[np.uint8]
     poses: NDArray[np.float32]
+    labels: NDArray[np.float32]
     kinds: NDArray[np.uint8]
     splits: NDArray[np.uint8]
     meta: dict[str, Any]
@@ -52,8 +56,12 @@ class FrameStore:
         return len(self.poses)
 
     def training(self) -> Indices:
-        """Return the frames to learn from: the paper's training half of the grid, and the random ones."""
-        return np.flatnonzero((self.kinds != HELD_OUT) & (self.splits == TRAIN))
+        """Return the frames to learn from: the paper's training half of the grid, and the random ones, if labelled."""
+        return np.flatnonzero((self.kinds != HELD_OUT) & (self.splits == TRAIN) & self.labelled())
+
+    def labelled(self) -> NDArray[np.bool_]:
+        """Return which frames [N] have a label."""
+        return np.asarray(np.isfinite(self.labels).all(axis=1))
 
     def off_grid(self) -> Indices:
         """Return the held-out frames at random poses."""
@@ -65,12 +73,12 @@ class FrameStore:
 
     def random_training(self) -> Indices:
         """Return the training frames at random poses."""
-        return np.flatnonzero(self.kinds == RANDOM)
+        return np.flatnonzero((self.kinds == RANDOM) & self.labelled())
 
     def batch(self, indices: Indices) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
-        """Return copies of the images [B, 84, 84, 3] and poses [B, 3] of some frames, in ascending order of index."""
+        """Return copies of the images [B, 84, 84, 3] and labels [B, 3] of some frames, in ascending order of index."""
         ordered = np.sort(indices)
-        return np.asarray(self.frames[ordered]), self.poses[ordered]
+        return np.asarray(self.frames[ordered]), self.labels[ordered]
 
 
 def open_store(folder: Path, scene_digest: str | None = None) -> FrameStore:
@@ -92,9 +100,12 @@ def open_store(folder: Path, scene_digest: str | None = None) -> FrameStore:
         )
     if frames_done(folder) < count:
         raise TwonavError(f"only {frames_done(folder)} of {count} frames are in {folder}: collect again to go on")
+    poses = _array(folder / POSES_FILE, np.float32, (count, 3))
+    by_mapper = meta.get("labels", SIMULATOR) != SIMULATOR
     return FrameStore(
         _array(folder / FRAMES_FILE, np.uint8, (count, *IMAGE_SHAPE), mapped=True),
-        _array(folder / POSES_FILE, np.float32, (count, 3)),
+        poses,
+        _array(folder / LABELS_FILE, np.float32, (count, 3)) if by_mapper else poses,
         _array(folder / KINDS_FILE, np.uint8, (count,)),
         _array(folder / SPLITS_FILE, np.uint8, (count,)),
         meta,

@@ -16,7 +16,7 @@ from twonav_cli.dataset.poses import TEST
 from twonav_cli.geometry import Pose
 from twonav_cli.localizer.errors_report import error_metrics
 from twonav_cli.localizer.estimator import Estimator
-from twonav_cli.mapping.floor import Floor
+from twonav_cli.mapping.floor import Floor, geometry_map
 from twonav_cli.rng import stream
 from twonav_cli.scene.camera import Camera
 from twonav_cli.scene.world import World
@@ -46,9 +46,12 @@ def localizer_errors(
     card = read_card(folder)
     estimator = Estimator.load(folder, floor.scene.digest)
     starts = list(floor.scene.starts.values())
-    area = (floor.map.occupied, floor.map.frame, starts)
+    area = (~floor.map.free, floor.map.frame, starts)
+    # Which frames it was not trained on, only the map says on which its frames were planned.
+    same = card.get("map_digest") == floor.map.digest
+    planned = area if same else (~geometry_map(floor.scene).free, floor.map.frame, starts)
     held_out = plan_frames(*area, PlanConfig(degree_step=180, random_frames=1, held_out_frames=frames), seed)
-    trained = plan_frames(*area, PlanConfig(random_frames=1, held_out_frames=1), int(card["seed"]))
+    trained = plan_frames(*planned, PlanConfig(random_frames=1, held_out_frames=1), int(card["seed"]))
     on_split = np.flatnonzero((trained.kinds != HELD_OUT) & (trained.splits == TEST))
     drawn = np.sort(stream(seed, "paper split").choice(on_split, min(frames, len(on_split)), replace=False))
     off_grid = held_out.poses[held_out.kinds == HELD_OUT]

@@ -31,7 +31,12 @@ STAGE_BEFORE = {"3d": "maze"}
 
 
 def checkpoint_folder(
-    scene: str, name: str, chosen: Path | None = None, own_first: bool = False, scene_digest: str | None = None
+    scene: str,
+    name: str,
+    chosen: Path | None = None,
+    own_first: bool = False,
+    scene_digest: str | None = None,
+    map_digest: str | None = None,
 ) -> Path:
     """Return the folder of a scene's checkpoint.
 
@@ -41,6 +46,7 @@ def checkpoint_folder(
         chosen: Folder of a scene's checkpoints that the user named; then only this one counts.
         own_first: Whether a run of the user's own goes before the shipped one (training does, playing does not).
         scene_digest: The scene it should be for: one that is for another scene of that name comes last.
+        map_digest: The map it should be for: one of the same scene on another map comes after one on this.
 
     Raises:
         TwonavError: There is none; the message says which command makes it.
@@ -49,21 +55,28 @@ def checkpoint_folder(
     candidates = [chosen / name] if chosen is not None else [own, shipped] if own_first else [shipped, own]
     found = [folder for folder in candidates if (folder / CARD_FILE).is_file()]
     if found:
-        return next((folder for folder in found if _is_for(folder, scene_digest)), found[0])
+        # Of several that fit equally well `max` returns the first.
+        return max(found, key=lambda folder: _fit_of(folder, scene_digest, map_digest))
     where = f"in {chosen}" if chosen is not None else f"for scene {scene!r}"
     raise TwonavError(
         f"there is no {name} checkpoint {where}: make it with `twonav train --stage {name} --scene {scene}`"
     )
 
 
-def _is_for(folder: Path, scene_digest: str | None) -> bool:
-    """Return whether a checkpoint's card names the scene; one that cannot be read is left for the loader to refuse."""
+def _fit_of(folder: Path, scene_digest: str | None, map_digest: str | None) -> int:
+    """Return 2 for a checkpoint of the scene and the map, 1 for one of the scene, else 0.
+
+    One that cannot be read is left for the loader to refuse. A localizer that says no map fits every map.
+    """
     if scene_digest is None:
-        return True
+        return 2
     try:
-        return bool(read_card(folder).get("scene_digest") == scene_digest)
+        card = read_card(folder)
     except TwonavError:
-        return False
+        return 0
+    if card.get("scene_digest") != scene_digest:
+        return 0
+    return 2 if map_digest is None or card.get("map_digest") in (None, map_digest) else 1
 
 
 def load_agent(floor: Floor, stage: str, chosen: Path | None = None, own_first: bool = False) -> Agent:
@@ -79,7 +92,7 @@ def load_agent(floor: Floor, stage: str, chosen: Path | None = None, own_first: 
     from twonav_cli.learner.agent import Agent
 
     def folder_of(name: str) -> Path:
-        return checkpoint_folder(floor.scene.name, name, chosen, own_first, floor.scene.digest)
+        return checkpoint_folder(floor.scene.name, name, chosen, own_first, floor.scene.digest, floor.map.digest)
 
     digests, before = (floor.scene.digest, floor.map.digest), STAGE_BEFORE.get(stage)
     try:
@@ -105,7 +118,8 @@ def load_localize(floor: Floor, chosen: Path | None = None, own_first: bool = Fa
     """
     from twonav_cli.localizer.estimator import Estimator
 
-    folder = checkpoint_folder(floor.scene.name, "localizer", chosen, own_first, floor.scene.digest)
+    scene, digest = floor.scene, floor.map.digest
+    folder = checkpoint_folder(scene.name, "localizer", chosen, own_first, scene.digest, digest)
     estimator = Estimator.load(folder, floor.scene.digest)
     return lambda image: estimator.estimate(image).pose
 

@@ -28,7 +28,7 @@ def thumbnails(store: FrameStore, indices: Indices) -> NDArray[np.float32]:
 
 
 def nearest_poses(store: FrameStore, training: Indices, queries: Indices) -> NDArray[np.float32]:
-    """Return the poses [Q, 3] of the training frames whose thumbnails differ least, by squared difference."""
+    """Return the labels [Q, 3] of the training frames whose thumbnails differ least, by squared difference."""
     best = np.full(len(queries), np.inf, dtype=np.float32)
     chosen = np.zeros(len(queries), dtype=np.int64)
     wanted = thumbnails(store, queries)
@@ -41,4 +41,4 @@ def nearest_poses(store: FrameStore, training: Indices, queries: Indices) -> NDA
         value = difference[np.arange(len(queries)), nearest]
         better = value < best
         best[better], chosen[better] = value[better], part[nearest[better]]
-    return store.poses[chosen]
+    return store.labels[chosen]

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from twonav_cli.checkpoint import save_checkpoint
+from twonav_cli.dataset.collect import SIMULATOR
 from twonav_cli.dataset.store import FrameStore, Indices
 from twonav_cli.errors import TwonavError
 from twonav_cli.events import Clock, FittingStep, FittingValidated, Sink
@@ -125,7 +126,7 @@ class _Training:
             raise TwonavError(
                 f"{len(self.frames)} training frames are too few for batches of {config.batch}: collect more"
             )
-        self.code = PoseCode.covering(store.poses, config.position_bin_m)
+        self.code = PoseCode.covering(store.labels[store.labelled()], config.position_bin_m)
         torch.set_num_threads(1)  # Two threads inside an operation collapse when another program needs a core.
         torch.manual_seed(int(stream(seed, "weights").integers(2**31)))
         self.network = build_network(config.architecture, len(self.code.bins), HEADING_BINS)
@@ -219,11 +220,12 @@ class _Training:
             metrics["off_grid_nearest_frame"] = error_metrics(nearest, self.store.poses[off_grid])
             self.sink(FittingValidated(self._clock(self.config.steps), metrics["off_grid"]))
         meta = self.store.meta
+        metrics |= {"labels": label_metrics(self.store)}
         card = {
             "kind": "localizer",
             "scene": meta["scene"],
             "scene_digest": meta["scene_digest"],
-            "map_digest": None,
+            "map_digest": meta.get("map_digest"),
             "command": command,
             "seed": self.seed,
             "metrics": metrics,
@@ -244,6 +246,13 @@ class _Training:
         """Return what a training that goes on must share with its beginning; it may end sooner or later."""
         config = {name: value for name, value in asdict(self.config).items() if name not in _MAY_CHANGE}
         return {"config": config, "seed": self.seed, "frames": self.store.meta}
+
+
+def label_metrics(store: FrameStore) -> dict[str, Any]:
+    """Return who labelled the frames, how many have no label, and how far labels lie from where the robot stood."""
+    known = store.labelled()
+    counts = {"by": store.meta.get("labels", SIMULATOR), "without_label": int((~known).sum())}
+    return {**counts, **error_metrics(store.labels[known], store.poses[known])}
 
 
 def decoded_poses(network: PoseNetwork, code: PoseCode, images: NDArray[np.uint8]) -> NDArray[np.float32]:

@@ -52,6 +52,31 @@ def approximate_maze(
     return Maze(unreachable, goal_cells, {name: cells["start", name] for name in starts}), frame
 
 
+def largest_maze(map_: OccupancyMap, resolution_m: float = MAZE_RESOLUTION_M) -> tuple[Maze, GridFrame]:
+    """Return the maze of a map that has no goals: of the free cells the largest connected part is kept (§4.3; ours).
+
+    Args:
+        map_: Any map.
+        resolution_m: Edge of a maze cell; it is rounded to whole pixels of the map.
+
+    Returns:
+        The maze without goals and starts, and where its cells lie.
+
+    Raises:
+        TwonavError: The map is smaller than a cell, or no cell of it is free.
+    """
+    from scipy.ndimage import label
+
+    pixel_m = map_.frame.resolution_m
+    edge_m = max(round(resolution_m / pixel_m), 1) * pixel_m
+    blocked = blocked_cells(~map_.free, map_.frame, edge_m)
+    parts, count = label(~blocked)  # side by side, as the agent moves
+    if not count:
+        raise TwonavError(f"no {edge_m:.2f} m cell of the map is free: make the map again")
+    largest = 1 + int(np.bincount(parts.ravel())[1:].argmax())
+    return Maze(np.asarray(parts != largest), {}, {}), map_.frame.coarser(edge_m)
+
+
 def blocked_cells(not_free: NDArray[np.bool_], frame: GridFrame, resolution_m: float) -> NDArray[np.bool_]:
     """Return which cells [R, C] hold any pixel [rows, cols] that is not free (§4.3).
 

@@ -61,7 +61,18 @@ def clusters(cells: BoolGrid, least: int) -> list[Cells]:
     for number, box in enumerate(find_objects(regions), start=1):
         inside = np.argwhere(regions[box] == number)
         if len(inside) >= least:
-            found.append(inside + (box[0].start, box[1].start))
+            found.append(inside + np.array([box[0].start, box[1].start]))
+    return found
+
+
+def tiles(cells: BoolGrid, edge: int, least: int) -> list[Cells]:
+    """Return the cells of every square of `edge` x `edge` [K, 2] that holds at least so many, from the top left on."""
+    found = []
+    for row in range(0, cells.shape[0], edge):
+        for col in range(0, cells.shape[1], edge):
+            inside = np.argwhere(cells[row : row + edge, col : col + edge])
+            if len(inside) >= least:
+                found.append(inside + np.array([row, col]))
     return found
 
 

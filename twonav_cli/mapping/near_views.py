@@ -37,11 +37,11 @@ def _mark_beams(
     step_m = 0.5 * resolution_m
     for beam in range(angles_rad.shape[0]):
         angle = laser[2] + angles_rad[beam]
-        bit = np.uint8(1 << (int(math.floor((angle / (2 * math.pi)) % 1.0 * SIDES)) % SIDES))
+        bit = np.uint8(1 << (math.floor((angle / (2 * math.pi)) % 1.0 * SIDES)) % SIDES)
         cos, sin = math.cos(angle), math.sin(angle)
         for k in range(int(min(ranges_m[beam], near_m) / step_m) + 1):
-            col = int(math.floor((laser[0] + k * step_m * cos - origin[0]) / resolution_m))
-            up = int(math.floor((laser[1] + k * step_m * sin - origin[1]) / resolution_m))
+            col = math.floor((laser[0] + k * step_m * cos - origin[0]) / resolution_m)
+            up = math.floor((laser[1] + k * step_m * sin - origin[1]) / resolution_m)
             if 0 <= col < cols and 0 <= up < rows:
                 sides[rows - 1 - up, col] |= bit
 

@@ -88,10 +88,10 @@ def nearest_cell(cells: BoolGrid, frame: GridFrame, pose: Pose) -> Cell | None:
     here = frame.cell_at(pose.x_m, pose.y_m)
     reach = int(JOIN_M / frame.resolution_m)
     row0, col0 = max(here.row - reach, 0), max(here.col - reach, 0)
-    near = np.argwhere(cells[row0 : here.row + reach + 1, col0 : here.col + reach + 1]) + (row0, col0)
+    near = np.argwhere(cells[row0 : here.row + reach + 1, col0 : here.col + reach + 1]) + np.array([row0, col0])
     if not len(near):
         return None
-    away = ((near - (here.row, here.col)) ** 2).sum(axis=1)
+    away = ((near - np.array(here)) ** 2).sum(axis=1)
     return Cell(*(int(index) for index in near[away.argmin()]))
 
 

@@ -9,19 +9,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from twonav_cli.config import DriveConfig, MappingConfig, OdometryNoise
-from twonav_cli.events import Sink, to_nobody
-from twonav_cli.geometry import Pose
-from twonav_cli.mapping.frontiers import Cells, View, clusters, frontier_cells, nearest_view
+from twonav_cli.config import ROBOT_CIRCUMSCRIBED_M, DriveConfig, MappingConfig, OdometryNoise
+from twonav_cli.events import Clock, MapDrawn, Note, Sink, to_nobody
+from twonav_cli.geometry import FloatArray
+from twonav_cli.grid import Cell
+from twonav_cli.mapping.frontiers import Cells, View, clusters, frontier_cells, nearest_view, tiles
 from twonav_cli.mapping.mapper import GridMapper
 from twonav_cli.mapping.near_views import NearViews
 from twonav_cli.mapping.occupancy import OccupancyMap
-from twonav_cli.mapping.route import Ways, ways_from
+from twonav_cli.mapping.route import Ways, nearest_cell, ways_from
 from twonav_cli.mapping.scan import StampedPose
 from twonav_cli.mapping.survey_body import SurveyBody, sensor_of
 from twonav_cli.mapping.survey_drive import Mapper, SurveyDrive
@@ -32,6 +34,12 @@ from twonav_cli.scene.robot_body import RobotBody
 from twonav_cli.scene.world import World
 
 BoolGrid = NDArray[np.bool_]
+
+TILE_M = 1.0
+"""Floor that was seen badly is looked at again in squares of this edge (ours)."""
+
+SEEN_SHARE = 0.5
+"""A robot turns to the next place when less than this of what it drives to is still to be seen (ours)."""
 
 
 def _setting(default: Any, sentence: str) -> Any:
@@ -45,7 +53,7 @@ class SurveyConfig:
     range_noise_m: float = _setting(0.01, "Deviation of a measured range, metres, as of a real laser (ours).")
     waypoint_m: float = _setting(0.4, "Distance between two points that are driven to, metres (ours).")
     view_m: float = _setting(1.5, "Farthest place from which a frontier is looked at, metres (ours).")
-    near_m: float = _setting(2.5, "A cell that was seen from nearer than this is seen well, metres (ours).")
+    near_m: float = _setting(1.5, "A cell that was seen from nearer than this is seen well, metres (ours).")
     sides: int = _setting(2, "Directions, of eight, from which a cell must have been seen (ours).")
     least_frontier: int = _setting(4, "Cells of the smallest frontier that is looked at (ours).")
     least_unknown: int = _setting(6, "Cells of the smallest unknown region that has a frontier (ours).")
@@ -54,8 +62,10 @@ class SurveyConfig:
     time_limit_s: float = _setting(1800.0, "Simulated time after which the survey ends, seconds (ours).")
 
 
-QUICK = SurveyConfig(sides=0, time_limit_s=240.0)
+QUICK = SurveyConfig(sides=0, time_limit_s=180.0)
 """Shorter: nothing is looked at again."""
+
+FINISHED, TIMED_OUT, STOPPED = "finished", "timed-out", "stopped"
 
 
 @dataclass(frozen=True)
@@ -64,6 +74,7 @@ class Surveyed:
 
     Attributes:
         map: On the scene's map frame.
+        walls: [K, 2] points on what is occupied, finer than pixels, metres.
         trajectory: The mapper's keyframes.
         truth: The simulator's pose at every reading.
         outcome: "finished", "timed-out" or "stopped".
@@ -73,6 +84,7 @@ class Surveyed:
     """
 
     map: OccupancyMap
+    walls: FloatArray
     trajectory: list[StampedPose]
     truth: list[StampedPose]
     outcome: str
@@ -81,31 +93,47 @@ class Surveyed:
     collisions: int
 
 
+@dataclass(frozen=True)
+class _Wish:
+    """What is to be seen, and from where."""
+
+    cells: Callable[[OccupancyMap], BoolGrid]
+    groups: Callable[[BoolGrid], list[Cells]]
+    """Parts the cells into what is looked at in one go."""
+    range_m: float
+    """Farthest place from which it is looked at."""
+    from_m: float
+    """Nearer than this the robot need not come."""
+
+
 class Survey:
-    """One survey of one scene."""
+    """One survey of one scene, from the scene's first start and back to it."""
 
     def __init__(
         self,
         scene: Scene,
         config: SurveyConfig,
-        mapper_config: MappingConfig,
+        mapping: MappingConfig,
         base: str = "omni",
         seed: int = 0,
         sink: Sink = to_nobody,
         noise: OdometryNoise | None = None,
         mapper: Mapper | None = None,
     ) -> None:
-        """Put the robot at the scene's first start.
+        """Put the robot at the start.
 
         Args:
-            scene: Only its robot's world, first start and map area are looked at.
+            scene: Only its first start and its map area are known to the robot.
             config: How to survey.
-            mapper_config: How to map.
+            mapping: How to map.
             base: "omni" or "differential".
             seed: Of odometry, ranges and mapper.
             sink: Told what the mapper does.
             noise: Of odometry; default: that of the settings.
             mapper: Makes the map; default: a `GridMapper`.
+
+        Raises:
+            TwonavError: The scene cannot be simulated, or there is no such base.
         """
         self.config = config
         self._start = next(iter(scene.starts.values()))
@@ -117,33 +145,48 @@ class Survey:
         self._body = SurveyBody(robot, laser.max_m, config.range_noise_m, stream(seed, "ranges"))
         sensor = sensor_of(laser)
         corner = (self._frame.x_min_m, self._frame.y_min_m)
-        self.mapper = mapper or GridMapper(mapper_config, sensor, seed, self._start, sink, corner)
+        self._mapper = mapper or GridMapper(mapping, sensor, seed, self._start, sink, corner)
         self._near = NearViews(self._frame, sensor, config.near_m)
-        self._drive = SurveyDrive(self._body, self.mapper, self._near, DriveConfig(), base)
+        self._drive = SurveyDrive(self._body, self._mapper, self._near, DriveConfig(), base)
         self._failed = np.zeros(self._frame.shape, dtype=np.uint8)
         self._tried = np.zeros(self._frame.shape, dtype=np.uint8)
         self._begun_s = self._body.time_s
+        self._sink = sink
         self._should_stop: Callable[[], bool] = lambda: False
 
     def run(self, should_stop: Callable[[], bool] | None = None) -> Surveyed:
-        """Survey to the end, or until asked to stop."""
+        """Survey to the end, or until asked to stop (asked at every place that is driven to)."""
+        config = self.config
         self._should_stop = should_stop or self._should_stop
         self._drive.hear()
         self._look_round()
-        self._see_all(self._frontiers, self.config.view_m, 0.0)
-        if self.config.sides:
+        at_once = partial(clusters, least=config.least_frontier)
+        self._see_all(_Wish(self._frontiers, at_once, config.view_m, 0.0))
+        if config.sides and not self._over():
+            self._say("every reachable frontier was looked at; going to what was seen badly")
             self._tried[:] = 0
-            self._see_all(self._badly_seen, self.config.near_m, 0.5 * self.config.near_m)
+            edge = round(TILE_M / self._frame.resolution_m)
+            at_once = partial(tiles, edge=edge, least=config.least_badly_seen)
+            self._see_all(_Wish(self._badly_seen, at_once, config.near_m, 0.5 * config.near_m))
         self._return()
-        outcome = "stopped" if self._should_stop() else "timed-out" if self._out_of_time() else "finished"
-        truth = self._drive.truth
+        map_, path, truth, outcome = self._map(), self._mapper.trajectory(), self._drive.truth, self._outcome()
+        self._say(f"the survey is over: {outcome}")
+        self._sink(MapDrawn(self._clock(), map_.pixels, map_.frame, np.array([stamped.pose for stamped in path])))
         return Surveyed(
-            self._map(), self.mapper.trajectory(), truth, outcome, self._time_s(), _length_m(truth),
-            self._body.collisions,
-        )  # fmt: skip
+            map_, self._mapper.walls(), path, truth, outcome, self._time_s(), _length_m(truth), self._body.collisions
+        )
+
+    def _outcome(self) -> str:
+        return STOPPED if self._should_stop() else TIMED_OUT if self._out_of_time() else FINISHED
+
+    def _say(self, sentence: str) -> None:
+        self._sink(Note(self._clock(), "INFO", sentence))
+
+    def _clock(self) -> Clock:
+        return Clock(step=len(self._mapper.trajectory()), time_s=self._time_s())
 
     def _map(self) -> OccupancyMap:
-        return self.mapper.occupancy(self._frame)
+        return self._mapper.occupancy(self._frame)
 
     def _time_s(self) -> float:
         return self._body.time_s - self._begun_s
@@ -154,96 +197,98 @@ class Survey:
     def _over(self) -> bool:
         return self._should_stop() or self._out_of_time()
 
-    def _look_round(self) -> None:
-        """Turn once on the spot, if there is room: the range finder sees one half only."""
-        ways = self._ways(self._map())
-        pose = self.mapper.pose()
-        if ways is None:
-            return
-        for _ in range(3):
-            self._drive.turn_to(pose.theta_rad, 0.0)
-            self._drive.turn_by(2 * math.pi / 3)
-
     def _ways(self, map_: OccupancyMap) -> Ways | None:
-        return ways_from(map_, self.mapper.pose(), self._failed >= self.config.tries)
+        return ways_from(map_, self._mapper.pose(), self._failed >= self.config.tries)
+
+    def _has_room(self, map_: OccupancyMap) -> bool:
+        """Whether nothing is known to stand where the outline goes when the robot turns on the spot."""
+        pose = self._mapper.pose()
+        radius = math.ceil(ROBOT_CIRCUMSCRIBED_M / self._frame.resolution_m)
+        row, col = self._frame.cell_at(pose.x_m, pose.y_m)
+        low_row, low_col = max(row - radius, 0), max(col - radius, 0)
+        rows, cols = np.nonzero(map_.occupied[low_row : row + radius + 1, low_col : col + radius + 1])
+        away = np.hypot(rows + low_row - row, cols + low_col - col)
+        return bool((away * self._frame.resolution_m > ROBOT_CIRCUMSCRIBED_M).all())
+
+    def _look_round(self) -> None:
+        """Turn once on the spot, as far as there is room: the range finder sees one half only."""
+        for _ in range(3):
+            if not self._over() and self._has_room(self._map()):
+                self._drive.turn_by(2 * math.pi / 3)
 
     def _frontiers(self, map_: OccupancyMap) -> BoolGrid:
-        """Return the cells [R, C] where the known floor ends, and that were not tried in vain."""
+        """Return the cells [R, C] where the known floor ends and that were not looked at in vain."""
         return frontier_cells(map_, self.config.least_unknown) & (self._tried < self.config.tries)
 
     def _badly_seen(self, map_: OccupancyMap) -> BoolGrid:
-        """Return the floor [R, C] that was seen from far or from one side only."""
-        return map_.free & ~self._near.seen_from(self.config.sides) & (self._tried == 0)
+        """Return the floor [R, C] that was seen from far or from one side only, and was not looked at since."""
+        seen_well = self._near.seen_from(self.config.sides)
+        return np.asarray(map_.free & ~seen_well & (self._tried == 0))
 
-    def _see_all(self, wanted: Callable[[OccupancyMap], BoolGrid], range_m: float, from_m: float) -> None:
-        """Go where a kind of cell can be seen, the nearest first, until none can be."""
-        least = self.config.least_frontier if wanted == self._frontiers else self.config.least_badly_seen
+    def _see_all(self, wish: _Wish) -> None:
+        """Go where cells of a kind can be seen, the nearest first, until none can be."""
         resolution_m = self._frame.resolution_m
         while not self._over():
             map_ = self._map()
             ways = self._ways(map_)
             if ways is None:
                 return
-            groups = clusters(wanted(map_), least)
-            view = nearest_view(
-                groups, ways.tree.lengths, map_.occupied, range_m / resolution_m, from_m / resolution_m
-            )
+            groups = wish.groups(wish.cells(map_))
+            lengths, occupied = ways.tree.lengths, map_.occupied
+            view = nearest_view(groups, lengths, occupied, wish.range_m / resolution_m, wish.from_m / resolution_m)
             if view is None:
                 return
-            self._visit(view, ways, wanted)
+            if self._go_along(ways, view.cell, partial(self._is_seen, wish, view)):
+                self._look_at(view)
 
-    def _visit(self, view: View, ways: Ways, wanted: Callable[[OccupancyMap], BoolGrid]) -> None:
-        """Drive to a view and look, or stop on the way when there is nothing left to see or no way any more."""
+    def _is_seen(self, wish: _Wish, view: View, map_: OccupancyMap) -> bool:
+        """Whether most of what a view is for was seen already."""
+        return bool(wish.cells(map_)[tuple(view.cluster.T)].mean() < SEEN_SHARE)
+
+    def _go_along(self, ways: Ways, cell: Cell, no_more: Callable[[OccupancyMap], bool]) -> bool:
+        """Drive to a cell on its way; return False when that ended early: in vain, or nobody wants it any more."""
         map_ = self._map()
-        for point in ways.points_to(view.cell, self.config.waypoint_m):
+        for point in ways.points_to(cell, self.config.waypoint_m):
             if self._over():
-                return
-            cell = self._frame.cell_at(*point)
-            if map_.occupied[cell] or not self._drive.go(point, map_):
+                return False
+            if map_.occupied[self._frame.cell_at(*point)] or not self._drive.go(point, map_):
                 self._note_failure(point)
-                return
+                return False
             map_ = self._map()
-            if wanted(map_)[tuple(view.cluster.T)].mean() < 0.5:
-                return
-        pose = self.mapper.pose()
+            if no_more(map_):
+                return False
+        return True
+
+    def _look_at(self, view: View) -> None:
+        """Turn to what the view is for, if there is room, and note that it was looked at."""
+        from scipy.ndimage import binary_dilation
+
+        pose = self._mapper.pose()
         x_m, y_m = self._frame.centre_of(view.facing)
-        heading_rad = math.atan2(y_m - pose.y_m, x_m - pose.x_m)
-        self._drive.turn_to(heading_rad, float(ways.room_m[self._frame.cell_at(pose.x_m, pose.y_m)]))
-        self._note_try(view.cluster)
+        if self._has_room(self._map()):
+            self._drive.turn_to(math.atan2(y_m - pose.y_m, x_m - pose.x_m))
+        looked = np.zeros(self._frame.shape, dtype=np.bool_)
+        looked[tuple(view.cluster.T)] = True
+        self._tried += binary_dilation(looked, iterations=2)
 
     def _note_failure(self, point: tuple[float, float]) -> None:
         """Remember a place that could not be driven to."""
         row, col = self._frame.cell_at(*point)
         self._failed[max(row - 1, 0) : row + 2, max(col - 1, 0) : col + 2] += 1
 
-    def _note_try(self, cluster: Cells) -> None:
-        """Remember what was looked at."""
-        from scipy.ndimage import binary_dilation
-
-        looked = np.zeros(self._frame.shape, dtype=np.bool_)
-        looked[tuple(cluster.T)] = True
-        self._tried += binary_dilation(looked, iterations=2)
-
     def _return(self) -> None:
-        """Drive back to the start."""
+        """Drive back to the start, or as near to it as a way leads."""
         for _ in range(2 * self.config.tries):
             map_ = self._map()
             ways = self._ways(map_)
             if ways is None or self._over():
                 return
-            cell = self._frame.cell_at(self._start.x_m, self._start.y_m)
-            reached = np.isfinite(ways.tree.lengths)
-            near = np.argwhere(reached)
-            home = near[((near - cell) ** 2).sum(axis=1).argmin()]
-            target = type(cell)(int(home[0]), int(home[1]))
-            for point in ways.points_to(target, self.config.waypoint_m):
-                if self._over():
-                    return
-                if not self._drive.go(point, self._map()):
-                    self._note_failure(point)
-                    break
-            else:
-                self._drive.turn_to(self._start.theta_rad, float(ways.room_m[target]))
+            home = nearest_cell(np.isfinite(ways.tree.lengths), self._frame, self._start)
+            if home is None:
+                return
+            if self._go_along(ways, home, lambda map_: False):
+                if self._has_room(self._map()):
+                    self._drive.turn_to(self._start.theta_rad)
                 return
 
 
@@ -251,7 +296,3 @@ def _length_m(truth: list[StampedPose]) -> float:
     """Return the length of a way."""
     line = np.array([(stamped.pose.x_m, stamped.pose.y_m) for stamped in truth])
     return float(np.hypot(*np.diff(line, axis=0).T).sum()) if len(line) > 1 else 0.0
-
-
-def _unused(pose: Pose) -> Pose:
-    return pose

@@ -19,6 +19,12 @@ def sensor_of(laser: RangeFinder) -> RangeSensor:
     return RangeSensor(BEAM_ANGLES_RAD, Pose(LASER_X_M, 0.0, 0.0), laser.max_m)
 
 
+def noisy_ranges(ranges_m: FloatArray, max_m: float, noise_m: float, rng: np.random.Generator) -> FloatArray:
+    """Return ranges [B] as a real range finder measures them; a beam that hit nothing still reads `max_m`."""
+    noisy_m = ranges_m + noise_m * rng.standard_normal(len(ranges_m))
+    return np.where(ranges_m >= max_m, max_m, np.clip(noisy_m, LEAST_RANGE_M, max_m))
+
+
 class SurveyBody:
     """A simulated robot that keeps the sum of its odometry; what the cell driver drives.
 
@@ -53,9 +59,7 @@ class SurveyBody:
 
     def scan(self) -> FloatArray:
         """Return 180 noisy ranges, metres; a beam that hit nothing reads the farthest."""
-        ranges_m = self._body.scan()
-        noisy_m = ranges_m + self._range_noise_m * self._rng.standard_normal(len(ranges_m))
-        return np.where(ranges_m >= self._max_m, self._max_m, np.clip(noisy_m, LEAST_RANGE_M, self._max_m))
+        return noisy_ranges(self._body.scan(), self._max_m, self._range_noise_m, self._rng)
 
     def twist(self) -> Twist:
         """Return the present velocity."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import Protocol
 
-from twonav_cli.config import ROBOT_CIRCUMSCRIBED_M, DriveConfig
-from twonav_cli.geometry import FloatArray, Pose, Twist, compose, wrap_angle
+from twonav_cli.config import DriveConfig
+from twonav_cli.events import DriveTrace
+from twonav_cli.geometry import FloatArray, Pose, Twist, wrap_angle
 from twonav_cli.grid import GridFrame
 from twonav_cli.mapping.near_views import NearViews
 from twonav_cli.mapping.occupancy import OccupancyMap
@@ -40,6 +41,9 @@ class Mapper(Protocol):
     def trajectory(self) -> list[StampedPose]:
         """Return the way so far."""
 
+    def walls(self) -> FloatArray:
+        """Return points [K, 2] on what is occupied, metres."""
+
 
 class SurveyDrive:
     """Moves the robot and lets the mapper hear everything.
@@ -68,35 +72,33 @@ class SurveyDrive:
     def go(self, point: tuple[float, float], map_: OccupancyMap) -> bool:
         """Drive to a point near by with the dynamic window; return whether it was reached."""
         driver = CellDriver(self._config, self._base, map_.occupied, map_.frame)
-        outcome, _ = driver.drive_to(self._body, self._mapper.pose(), point, lambda _pose, scan, _trace: self._heard(scan))
+
+        def on_tick(believed: Pose, scan_m: FloatArray, trace: DriveTrace | None) -> None:
+            self.hear(scan_m)
+
+        outcome, _ = driver.drive_to(self._body, self._mapper.pose(), point, on_tick)
         self.hear()
         return outcome == REACHED
 
-    def _heard(self, scan_m: FloatArray) -> None:
-        self.hear(scan_m)
-
-    def turn_to(self, heading_rad: float, room_m: float) -> None:
-        """Turn on the spot as far as a heading, if there is room for the robot's outline to do so."""
-        if room_m < ROBOT_CIRCUMSCRIBED_M:
-            return
-        left_rad = wrap_angle(heading_rad - self._mapper.pose().theta_rad)
-        self.turn_by(left_rad)
+    def turn_to(self, heading_rad: float) -> None:
+        """Turn on the spot to a heading, the shorter way round."""
+        self.turn_by(wrap_angle(heading_rad - self._mapper.pose().theta_rad))
 
     def turn_by(self, angle_rad: float) -> None:
-        """Turn on the spot by an angle, left if positive, as odometry says."""
+        """Turn on the spot by an angle, to the left if positive, as odometry reports it."""
+        tick_s = self._config.tick_s
         self._body.odometry()
-        turned = Pose(0.0, 0.0, 0.0)
-        sum_rad, tick_s = 0.0, self._config.tick_s
-        periods = math.ceil(abs(angle_rad) / (TURN_RADPS * tick_s)) + SPARE_PERIODS
-        while abs(angle_rad - sum_rad) > TURNED_RAD and periods > 0:
-            left_rad = angle_rad - sum_rad
-            speed = math.copysign(min(TURN_RADPS, abs(left_rad) / (2 * tick_s)), left_rad)
-            self._body.drive(Twist(0.0, 0.0, speed), tick_s)
-            moved = self._body.odometry()
-            turned = compose(turned, moved)
-            sum_rad += moved.theta_rad
-            self.hear()
-            periods -= 1
-        self._body.drive(Twist(0.0, 0.0, 0.0), 2 * tick_s)
-        self._body.odometry()
+        left_rad = angle_rad
+        for _ in range(math.ceil(abs(angle_rad) / (TURN_RADPS * tick_s)) + SPARE_PERIODS):
+            if abs(left_rad) < TURNED_RAD:
+                break
+            speed_radps = math.copysign(min(TURN_RADPS, 0.5 * abs(left_rad) / tick_s), left_rad)
+            left_rad -= self._driven(Twist(0.0, 0.0, speed_radps), tick_s)
+        self._driven(Twist(0.0, 0.0, 0.0), 2 * tick_s)
+
+    def _driven(self, twist: Twist, duration_s: float) -> float:
+        """Hold a velocity for a while, let the mapper hear, and return the angle turned."""
+        self._body.drive(twist, duration_s)
+        turned_rad = self._body.odometry().theta_rad
         self.hear()
+        return turned_rad

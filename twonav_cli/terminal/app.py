@@ -9,6 +9,18 @@ from typing import Annotated
 import typer
 
 from twonav_cli.errors import TwonavError
+from twonav_cli.terminal.map_options import (
+    KeyframeDistanceOption,
+    KeyframeTurnOption,
+    LaserForwardOption,
+    LogArgument,
+    MapChoices,
+    MaxRangeOption,
+    OutOption,
+    ParticlesOption,
+    ResolutionOption,
+)
+from twonav_cli.terminal.map_source import MapFromOption
 from twonav_cli.terminal.train_options import (
     CoolingOption,
     DiscountOption,
@@ -61,6 +73,7 @@ def play(
     base: BaseOption = "omni",
     speed: Annotated[float, typer.Option("--speed", min=0.0, help="Simulated seconds per second; 0: no limit.")] = 4.0,
     checkpoints: CheckpointsOption = None,
+    map_from: MapFromOption = None,
     keys: Annotated[str | None, typer.Option("--keys", help="Keys to press, as in 'kitchen<enter> q'.")] = None,
 ) -> None:
     """Watch the robot drive to the goals you name, from its own camera; ask for more at the prompt."""
@@ -69,14 +82,14 @@ def play(
     request = PlayRequest(
         scene=scene, stage=stage, goals=tuple(goal or ()), start=start, seed=seed, record=record,
         recording=not no_record, plain=plain, localizer=localizer, base=base, speed=speed,
-        checkpoints=checkpoints, keys=keys,
+        checkpoints=checkpoints, map_from=map_from, keys=keys,
     )  # fmt: skip
     raise typer.Exit(run_play(request))
 
 
 @app.command()
 def train(
-    stage: Annotated[str, typer.Option("--stage", help="maze, localizer or 3d.")],
+    stage: Annotated[str, typer.Option("--stage", help="map, maze, localizer or 3d.")],
     scene: Annotated[
         str | None,
         typer.Option(
@@ -95,6 +108,7 @@ def train(
         int | None, typer.Option("--images", min=1, help="Pictures shown in all, repeats included (localizer only).")
     ] = None,
     base: TrainBaseOption = None,
+    map_from: MapFromOption = None,
     json_: JsonOption = False,
     watch: WatchOption = False,
     learner: LearnerOption = None,
@@ -107,16 +121,43 @@ def train(
     cooling: CoolingOption = None,
     random_maze: RandomMazeOption = None,
 ) -> None:
-    """Train one stage: the maze agent, the localizer, or the agent in 3D with the localizer's poses."""
+    """Train one stage: let the robot make the map; the maze agent; the localizer; the agent in 3D with its poses."""
     from twonav_cli.terminal.learning_choices import LearningChoices
     from twonav_cli.terminal.train import TrainRequest, run_train
 
     choices = LearningChoices(learner, preset, discount, temperature, initial_q, goal_selection, exploration, cooling)
     request = TrainRequest(
         stage=stage, scene=scene, seed=seed, resume=resume, out=out, record=record, recording=not no_record,
-        quick=quick, images=images, base=base, as_json=json_, watch=watch, random_maze=random_maze, choices=choices,
+        quick=quick, images=images, base=base, as_json=json_, watch=watch, random_maze=random_maze, map_from=map_from,
+        choices=choices,
     )  # fmt: skip
     raise typer.Exit(run_train(request))
+
+
+@app.command("map")
+def map_log(
+    log: LogArgument,
+    particles: ParticlesOption = None,
+    resolution: ResolutionOption = None,
+    max_range: MaxRangeOption = None,
+    keyframe_distance: KeyframeDistanceOption = None,
+    keyframe_turn: KeyframeTurnOption = None,
+    laser_forward: LaserForwardOption = None,
+    seed: SeedOption = 0,
+    out: OutOption = None,
+    record: RecordOption = None,
+    no_record: NoRecordOption = False,
+    json_: JsonOption = False,
+) -> None:
+    """Make a map from the scans and the odometry of a real robot's log, with a particle filter."""
+    from twonav_cli.terminal.map_log import MapRequest, run_map
+
+    choices = MapChoices(particles, resolution, max_range, keyframe_distance, keyframe_turn)
+    request = MapRequest(
+        log=log, choices=choices, laser_forward_m=laser_forward, seed=seed, out=out, record=record,
+        recording=not no_record, as_json=json_,
+    )  # fmt: skip
+    raise typer.Exit(run_map(request))
 
 
 @app.command()
@@ -129,6 +170,7 @@ def evaluate(
     base: BaseOption = "omni",
     frames: Annotated[int, typer.Option("--frames", min=1, help="Held-out random poses (localizer only).")] = 4000,
     checkpoints: CheckpointsOption = None,
+    map_from: MapFromOption = None,
     json_: JsonOption = False,
 ) -> None:
     """Measure: every goal from every start, or the localizer's errors on held-out random poses."""
@@ -136,7 +178,7 @@ def evaluate(
 
     request = EvaluateRequest(
         stage=stage, localizer=localizer, scene=scene, seed=seed, record=record, base=base, frames=frames,
-        checkpoints=checkpoints, as_json=json_,
+        checkpoints=checkpoints, map_from=map_from, as_json=json_,
     )  # fmt: skip
     raise typer.Exit(run_evaluate(request))
 
@@ -162,6 +204,7 @@ def reproduce(
     scene: Annotated[
         str | None, typer.Option("--scene", help="Whose maze (table7, table8, fig8).", show_default="apartment")
     ] = None,
+    map_from: MapFromOption = None,
     processes: Annotated[
         int | None, typer.Option("--processes", help="Workers that share the runs; default: one for each processor.")
     ] = None,
@@ -175,7 +218,7 @@ def reproduce(
 
     request = ReproduceRequest(
         table=table, repeats=repeats, seed=seed, discount=discount, mazes=mazes, scene=scene, processes=processes,
-        as_json=json_, out=out, cooling=cooling,
+        as_json=json_, out=out, cooling=cooling, map_from=map_from,
     )  # fmt: skip
     raise typer.Exit(run_reproduce(request))
 
@@ -212,11 +255,17 @@ def scenes(context: typer.Context, json_: JsonOption = False) -> None:
 
 
 @scenes_app.command("show")
-def scenes_show(scene: Annotated[str, typer.Argument(help="Name of a scene or path to an .xml.")]) -> None:
-    """Draw a scene's floor plan with its goals and starts."""
+def scenes_show(
+    scene: Annotated[str, typer.Argument(help="Name of a scene, or path to an .xml or to any map's .yaml.")],
+    map_: Annotated[
+        bool, typer.Option("--map", help="Draw the 5 cm map with the blocked cells of the maze over it.")
+    ] = False,
+    map_from: MapFromOption = None,
+) -> None:
+    """Draw a scene's floor plan with its goals and starts, or a map with the maze that is made from it."""
     from twonav_cli.terminal.scenes import run_show
 
-    raise typer.Exit(run_show(scene))
+    raise typer.Exit(run_show(scene, map_, map_from))
 
 
 @app.command()

@@ -17,6 +17,7 @@ from twonav_cli.mapping.floor import Floor, read_floor
 from twonav_cli.terminal.choices import check_choices
 from twonav_cli.terminal.console import progress
 from twonav_cli.terminal.interrupt import StopOnInterrupt
+from twonav_cli.terminal.map_source import tell_source
 
 if TYPE_CHECKING:
     from twonav_cli.experiments.evaluation import PairResult, PairTable
@@ -36,20 +37,23 @@ class EvaluateRequest:
     base: str = "omni"
     frames: int = 4000
     checkpoints: Path | None = None
+    map_from: str | None = None
     as_json: bool = False
 
 
 def run_evaluate(request: EvaluateRequest) -> int:
     """Measure and print; returns 0, or 130 when interrupted (what was measured is printed)."""
     check_choices("evaluate", request.stage, STAGES, request.localizer, request.base)
-    floor = read_floor(request.scene)
+    floor = read_floor(request.scene, request.map_from, chosen=request.checkpoints)
     if request.stage == "localizer":
         report = _localizer_report(request, floor)
         print(json.dumps(report)) if request.as_json else _print_errors(report)
+        tell_source(floor, request.scene, request.map_from)
         return 0
     with StopOnInterrupt("stopping after this pair") as stop:
         report = _pairs(request, floor, stop)
         print(json.dumps(report)) if request.as_json else _print_pairs(report)
+        tell_source(floor, request.scene, request.map_from)
         return 130 if stop() else 0
 
 
@@ -100,7 +104,8 @@ def _localizer_report(request: EvaluateRequest, floor: Floor) -> dict[str, Any]:
     from twonav_cli.experiments.localizer_errors import localizer_errors
     from twonav_cli.experiments.predecessors import checkpoint_folder
 
-    folder = checkpoint_folder(floor.scene.name, "localizer", request.checkpoints)
+    scene, digest = floor.scene, floor.map.digest
+    folder = checkpoint_folder(scene.name, "localizer", request.checkpoints, False, scene.digest, digest)
     with progress() as bar:
         task = bar.add_task("frames", total=None, result="")
         return localizer_errors(

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from rich.table import Table
 
+from twonav_cli.recording.mapped import MappingSummary
 from twonav_cli.recording.reader import Summary, TrialRow, how_to_seek, summarize
 from twonav_cli.recording.trained_goals import TrainedGoal, why_chosen
 from twonav_cli.terminal.console import out
@@ -30,10 +31,9 @@ def run_inspect(file: Path, as_json: bool) -> int:
 
 def _print_summary(summary: Summary, file: Path) -> None:
     console = out()
-    console.print(
-        f"{summary.command} of scene {summary.scene}, stage {summary.stage}, seed {summary.seed}"
-        + (f": {summary.ending}" if summary.ending else "")
-    )
+    what = f"log {summary.scene}" if summary.command == "map" else f"scene {summary.scene}, stage {summary.stage}"
+    ending = f": {summary.ending}" if summary.ending else ""
+    console.print(f"{summary.command} of {what}, seed {summary.seed}{ending}")
     if not summary.whole:
         console.print("the writer was interrupted: what follows is what it had written")
     for added in summary.added:
@@ -41,7 +41,10 @@ def _print_summary(summary: Summary, file: Path) -> None:
         console.print(where, soft_wrap=True)
     if summary.learning:
         console.print(_goals_table(summary.learning))
-    if not summary.trials and summary.kind != "localizer":
+    if summary.kind == "map":
+        for line in mapping_lines(summary.mapping):
+            console.print(line, soft_wrap=True)
+    elif not summary.trials and summary.kind != "localizer":
         console.print(no_trial(summary), soft_wrap=True)
     shown = MAX_ROWS_OF_TRAINING if summary.learning else MAX_ROWS
     if summary.trials:
@@ -60,6 +63,39 @@ def _print_summary(summary: Summary, file: Path) -> None:
         console.print(f"what went wrong in trial {row.number}: {row.cause}. {row.evidence}", soft_wrap=True)
         console.print(f"  look at it: {how_to_seek(row, summary.kind)}", soft_wrap=True)
     console.print(f"open it:  rerun {file}", soft_wrap=True)
+
+
+def mapping_lines(mapping: MappingSummary | None) -> list[str]:
+    """Return how a mapping went, line by line."""
+    if mapping is None:
+        return ["no keyframe was written"]
+    m = mapping
+    width_m, height_m = m.cols * m.resolution_m, m.rows * m.resolution_m
+    drawn = f"{width_m:.1f} x {height_m:.1f} m, {m.cols} x {m.rows} pixels of {m.resolution_m:g} m"
+    lines = [
+        f"keyframes: {m.keyframes} in {m.duration_s:.0f} s; particles: {m.particles}",
+        f"map: {drawn}" if m.rows else "map: none was drawn",
+        f"particles drawn again: {m.resampled} times",
+        f"scan matching failed: {_unmatched(m)}",
+        f"largest jump from odometry's guess: {m.jump_m.value:.2f} m at keyframe {m.jump_m.keyframe}, "
+        f"{m.jump_deg.value:.0f} deg at keyframe {m.jump_deg.keyframe}",
+        f"odometry alone ends {m.from_odometry_m:.2f} m away",
+    ]
+    if m.error_m is not None:
+        lines.append(
+            f"distance from the truth: at most {m.error_m.value:.2f} m, at keyframe {m.error_m.keyframe}; "
+            f"at the end {m.last_error_m:.2f} m"
+        )
+    worst = (m.lost or m.unmatched or (m.jump_m.keyframe,))[-1]
+    return [*lines, f"  look at it: timeline keyframe, #{worst}"]
+
+
+def _unmatched(mapping: MappingSummary) -> str:
+    if not mapping.unmatched:
+        return "at no keyframe"
+    latest = ", ".join(map(str, mapping.unmatched[-MAX_FAILURES:]))
+    some = f"at {len(mapping.unmatched)} keyframes for some particles, at {len(mapping.lost)} for all"
+    return f"{some}; the last ones: {latest}"
 
 
 def no_trial(summary: Summary) -> str:

@@ -12,11 +12,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from twonav_cli.errors import TwonavError, unknown_name
-from twonav_cli.events import Clock, Looked, RunEnded, RunStarted, Sink, to_all
+from twonav_cli.events import Clock, Looked, Note, RunEnded, RunStarted, Sink, to_all
 from twonav_cli.stages.maze_stage import MazeStage
 from twonav_cli.terminal.choices import check_choices
 from twonav_cli.terminal.commands import Command
 from twonav_cli.terminal.console import screen_possible
+from twonav_cli.terminal.map_source import notice_of
 
 if TYPE_CHECKING:
     from twonav_cli.experiments.journey import Wishes
@@ -44,6 +45,7 @@ class PlayRequest:
     base: str = "omni"
     speed: float = 4.0
     checkpoints: Path | None = None
+    map_from: str | None = None
     keys: str | None = None
     quiet: bool = False
 
@@ -85,7 +87,7 @@ def _drive(request: PlayRequest, sink: Sink, wishes: Wishes, path: Path | None, 
     """Build everything and run the journey; the floor plan leaves before anything slow is loaded."""
     from twonav_cli.mapping.floor import read_floor
 
-    floor = read_floor(request.scene)
+    floor = read_floor(request.scene, request.map_from, chosen=request.checkpoints)
     start = _start_cell(floor, request)
     begun = RunStarted(
         Clock(), "play", request.stage, floor.scene.name, request.seed, _settings(request),
@@ -99,6 +101,9 @@ def _drive(request: PlayRequest, sink: Sink, wishes: Wishes, path: Path | None, 
 
     agent = load_agent(floor, request.stage, request.checkpoints)
     stage = _make_stage(request, floor, start, sink)
+    notice = notice_of(floor, request.scene, request.map_from)
+    if notice is not None and stay:
+        sink(Note(Clock(), "INFO", notice))
     with contextlib.closing(stage), recording(path, request.stage, begun, every_trial=True) as recorder:
         journey = Journey(
             stage, floor.maze_frame, agent, stream(request.seed, "explore"), to_all(recorder, sink), wishes
@@ -110,6 +115,8 @@ def _drive(request: PlayRequest, sink: Sink, wishes: Wishes, path: Path | None, 
             f"{len(reached)} of {len(visits)} goals reached",
         )
         to_all(recorder, sink)(ended)
+    if notice is not None and not stay and not request.quiet:
+        print(notice, file=sys.stderr)
     failed = any(visit.outcome not in ("reached", "given-up") for visit in visits)
     return 1 if failed or Counter(request.goals) - Counter(reached) else 0
 

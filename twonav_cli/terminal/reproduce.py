@@ -16,10 +16,12 @@ from twonav_cli.experiments.tables.catalog import EVERY_TABLE, default_repeats, 
 from twonav_cli.experiments.tables.report import Report
 from twonav_cli.experiments.tables.request import MAZES, SCENE, TableRequest
 from twonav_cli.files import writable, write_whole
+from twonav_cli.mapping.floor import read_floor
 from twonav_cli.maze import Maze
 from twonav_cli.paths import runs_dir
 from twonav_cli.terminal.console import progress
 from twonav_cli.terminal.interrupt import StopOnInterrupt
+from twonav_cli.terminal.map_source import tell_source
 
 OF_RANDOM_MAZES, OF_A_SCENE = ("table5", "table6", "sensitivity"), ("table7", "table8", "fig8")
 """Which tables are about random mazes, and which about a scene's."""
@@ -39,12 +41,14 @@ class ReproduceRequest:
     as_json: bool = False
     out: Path | None = None
     cooling: str = "per-goal"
+    map_from: str | None = None
 
     def table_request(self, table: str) -> TableRequest:
         """Return what is asked of one table."""
         repeats = default_repeats(table) if self.repeats is None else self.repeats
         mazes = MAZES if self.mazes is None else self.mazes
-        return TableRequest(table, repeats, self.seed, self.discount, mazes, self.scene or SCENE, self.cooling)
+        scene = self.scene or SCENE
+        return TableRequest(table, repeats, self.seed, self.discount, mazes, scene, self.cooling, self.map_from)
 
     def check(self) -> None:
         """Refuse what cannot be, and what the table would not look at, before anything is made.
@@ -53,12 +57,17 @@ class ReproduceRequest:
             TwonavError: Says what to leave out or to name instead.
         """
         tables = [self.table_request(name) for name in tables_named(self.table)]
-        for option, given, users in (("--mazes", self.mazes, OF_RANDOM_MAZES), ("--scene", self.scene, OF_A_SCENE)):
+        asked = (
+            ("--mazes", self.mazes, OF_RANDOM_MAZES),
+            ("--scene", self.scene, OF_A_SCENE),
+            ("--map-from", self.map_from, OF_A_SCENE),
+        )
+        for option, given, users in asked:
             if given is not None and not any(table.table in users for table in tables):
                 raise TwonavError(f"{option} is for {', '.join(users)}: {self.table} does not use it, so leave it out")
         for table in tables:
             table.check()
-        if len(tables) > 1 and self.scene is not None:
+        if len(tables) > 1 and (self.scene is not None or self.map_from is not None):
             tables[0].scene_maze()  # else it would be missed only after the tables before
         if self.processes is not None and self.processes < 1:
             raise TwonavError(f"--processes must be at least 1: {self.processes} was given")
@@ -85,6 +94,9 @@ def run_reproduce(request: ReproduceRequest) -> int:
 
                 print_report(report)
             _write(report, folder)
+    if any(table.table in OF_A_SCENE for table in wanted):
+        scene = request.scene or SCENE
+        tell_source(read_floor(scene, request.map_from), scene, request.map_from)
     if request.as_json:
         print(json.dumps(reports if request.table == EVERY_TABLE else reports[request.table], allow_nan=False))
     return 0

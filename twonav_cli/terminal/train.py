@@ -17,11 +17,14 @@ from twonav_cli.terminal.choices import check_choices
 from twonav_cli.terminal.console import screen_possible
 from twonav_cli.terminal.interrupt import StopOnInterrupt
 from twonav_cli.terminal.learning_choices import LearningChoices, option_of
+from twonav_cli.terminal.map_source import tell_source
 
 if TYPE_CHECKING:
     from twonav_cli.terminal.learning_place import LearningPlace
 
-STAGES = ("maze", "localizer", "3d")
+STAGES = ("map", "maze", "localizer", "3d")
+DRIVEN = ("map", "3d")
+"""Stages in which a robot with a base drives."""
 USUAL_SCENE, USUAL_BASE = "apartment", "omni"
 
 ALREADY_LEARNED = "already-learned"
@@ -45,6 +48,7 @@ class TrainRequest:
     as_json: bool = False
     watch: bool = False
     random_maze: int | None = None
+    map_from: str | None = None
     choices: LearningChoices = field(default_factory=LearningChoices)
 
     @property
@@ -58,8 +62,9 @@ class TrainRequest:
         parts = ["twonav", "train", "--stage", self.stage, *where, "--seed", str(self.seed)]
         if self.images is not None:
             parts += ["--images", str(self.images)]
-        if self.stage == "3d":
+        if self.stage in DRIVEN:
             parts += ["--base", self.base or USUAL_BASE]
+        parts += [] if self.map_from is None else ["--map-from", self.map_from]
         parts += self.choices.arguments()
         return shlex.join(parts + (["--quick"] if self.quick else []))
 
@@ -82,8 +87,13 @@ class TrainRequest:
             raise TwonavError(f"{asked[0]} is for --stage maze only: leave it out, or train the maze")
         if self.images is not None and self.stage != "localizer":
             raise TwonavError("--images is for --stage localizer only: leave it out, or train the localizer")
-        if self.base is not None and self.stage != "3d":
-            raise TwonavError("--base is for --stage 3d only: leave it out, or train in 3D")
+        if self.base is not None and self.stage not in DRIVEN:
+            raise TwonavError("--base is for --stage map and --stage 3d only: leave it out, or name one of them")
+        if self.stage == "map" and (self.resume or self.map_from is not None):
+            wrong = "--resume" if self.resume else "--map-from"
+            raise TwonavError(f"{wrong} is not for --stage map: leave it out, a survey begins anew and takes a minute")
+        if self.random_maze is not None and self.map_from is not None:
+            raise TwonavError("a random maze has no map: leave --map-from or --random-maze out")
         if self.random_maze is not None and self.scene is not None:
             raise TwonavError("a random maze has no scene: leave --scene or --random-maze out")
         if self.watch and not screen_possible():
@@ -103,35 +113,54 @@ def run_train(request: TrainRequest) -> int:
     with StopOnInterrupt() as stop:
         folder, outcome, metrics = _trained(request, stop)
     _report(request, folder, outcome, metrics)
-    return {"learned": 0, ALREADY_LEARNED: 0, "quick": 0, "stopped": 130}.get(outcome, 1)
+    return {"learned": 0, "surveyed": 0, ALREADY_LEARNED: 0, "quick": 0, "stopped": 130}.get(outcome, 1)
 
 
 def _trained(request: TrainRequest, stop: StopOnInterrupt) -> tuple[Path, str, dict[str, Any]]:
     """Train what was asked for; return the checkpoint's folder, the outcome, and the metrics of the card."""
-    from twonav_cli.terminal.learning_place import place_of_floor, place_of_random_maze
+    from twonav_cli.terminal.learning_place import place_of_random_maze
 
     name = f"{request.stage}-quick" if request.quick else request.stage
-    if request.random_maze is not None:
-        place = place_of_random_maze(request.seed, request.random_maze)
-    else:
-        from twonav_cli.mapping.floor import read_floor
+    if request.stage == "map":
+        from twonav_cli.scene.catalog import read_scene
+        from twonav_cli.terminal.train_map import train_map
 
-        floor = read_floor(request.scene_name)
-        place = place_of_floor(floor)
+        scene = read_scene(request.scene_name)
+        folder = _checked_folder(request, request.out or runs_dir() / scene.name / name)
+        return folder, *train_map(request, scene, folder, stop)
+    if request.random_maze is None:
+        return _trained_on_floor(request, name, stop)
+    from twonav_cli.terminal.train_maze import train_maze
+
+    place = place_of_random_maze(request.seed, request.random_maze)
     # Another seed draws another random maze of the same number.
-    where = place.name if request.random_maze is None else f"random-{request.seed}-{request.random_maze}"
+    where = f"random-{request.seed}-{request.random_maze}"
     folder = _checked_folder(request, request.out or runs_dir() / where / name)
+    return folder, *train_maze(request, place, folder, stop)
+
+
+def _trained_on_floor(request: TrainRequest, name: str, stop: StopOnInterrupt) -> tuple[Path, str, dict[str, Any]]:
+    """Train a stage that begins from a scene's map."""
+    from twonav_cli.mapping.floor import read_floor
+    from twonav_cli.terminal.learning_place import place_of_floor
+
+    floor = read_floor(request.scene_name, request.map_from, own_first=True)
+    place = place_of_floor(floor)
+    folder = _checked_folder(request, request.out or runs_dir() / place.name / name)
     if request.stage == "maze":
         from twonav_cli.terminal.train_maze import train_maze
 
-        return folder, *train_maze(request, place, folder, stop)
-    if request.stage == "localizer":
+        result = train_maze(request, place, folder, stop)
+    elif request.stage == "localizer":
         from twonav_cli.terminal.train_localizer import train_localizer
 
-        return folder, *train_localizer(request, floor, folder, stop)
-    from twonav_cli.terminal.train_3d import train_3d
+        result = train_localizer(request, floor, folder, stop)
+    else:
+        from twonav_cli.terminal.train_3d import train_3d
 
-    return folder, *train_3d(request, floor, folder, stop)
+        result = train_3d(request, floor, folder, stop)
+    tell_source(floor, request.scene_name, request.map_from)
+    return folder, *result
 
 
 def _checked_folder(request: TrainRequest, folder: Path) -> Path:
@@ -170,14 +199,19 @@ def _report(request: TrainRequest, folder: Path, outcome: str, metrics: dict[str
     else:
         for name, value in metrics.items():
             print(f"{name}: {value}", file=sys.stderr)
-    if outcome == "stopped":
+    if outcome == "stopped" and request.stage == "map":
+        print("stopped: a survey is kept only when it is over; nothing was written", file=sys.stderr)
+    elif outcome == "timed-out":
+        print(f"out of time before everything was seen; what was seen is in {folder}", file=sys.stderr)
+    elif outcome == "stopped":
         print(f"stopped and saved in {folder}; go on with: {request.resume_command()}", file=sys.stderr)
     elif outcome == ALREADY_LEARNED:
         print(f"already learned: nothing left to do in {folder}", file=sys.stderr)
     elif outcome == "gave-up":
         print(f"gave up before every goal was learned; what was learned is in {folder}", file=sys.stderr)
     elif outcome == "quick":
-        print(f"a quick run ends here, before anything is learned well: {folder}", file=sys.stderr)
+        done = "mapped" if request.stage == "map" else "learned"
+        print(f"a quick run ends here, before anything is {done} well: {folder}", file=sys.stderr)
     else:
         print(f"done: {folder}", file=sys.stderr)
 

@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from twonav_cli.checkpoint import read_card
-from twonav_cli.dataset.collect import Provenance, collect
+from twonav_cli.dataset.collect import MAPPER, Provenance, collect
 from twonav_cli.dataset.plan import PlanConfig, plan_frames
 from twonav_cli.dataset.store import FrameStore, open_store
 from twonav_cli.events import Clock, Event, FittingStep, FittingValidated, RunEnded, RunStarted, to_all
 from twonav_cli.geometry import Pose
 from twonav_cli.localizer.training import TrainingConfig, train
 from twonav_cli.mapping.floor import Floor
+from twonav_cli.mapping.known_maps import SURVEY
 from twonav_cli.paths import runs_dir
 from twonav_cli.terminal.console import progress
 from twonav_cli.terminal.recordings import default_recording, recording
@@ -73,7 +74,9 @@ def train_localizer(
 def collected(
     floor: Floor, seed: int, plan_config: PlanConfig, quick: bool, should_stop: Callable[[], bool]
 ) -> FrameStore | None:
-    """Return the scene's frames, taking the missing ones; None when interrupted.
+    """Return the scene's frames, taking and labelling the missing ones; None when interrupted.
+
+    On a map that the robot made, the robot says where each frame was taken; else the simulator does.
 
     Args:
         floor: Scene and map.
@@ -85,14 +88,22 @@ def collected(
     Raises:
         TwonavError: No renderer, or a folder that holds other frames.
     """
+    from twonav_cli.dataset.labels import MapLabels
     from twonav_cli.scene.camera import Camera
+    from twonav_cli.scene.laser import RangeFinder
     from twonav_cli.scene.world import World
 
-    scene = floor.scene
-    folder = runs_dir() / scene.name / f"frames-{'quick-' if quick else ''}seed{seed}"
-    plan = plan_frames(floor.map.occupied, floor.map.frame, list(scene.starts.values()), plan_config, seed)
+    scene, by_mapper = floor.scene, floor.map_source == SURVEY
+    # Another map has other places where the robot fits.
+    kind = ("survey-" if by_mapper else "") + ("quick-" if quick else "")
+    folder = runs_dir() / scene.name / f"frames-{kind}seed{seed}"
+    plan = plan_frames(~floor.map.free, floor.map.frame, list(scene.starts.values()), plan_config, seed)
     world = World(scene)
     camera = Camera(world)
+    label, provenance = None, Provenance(scene.name, scene.digest, seed)
+    if by_mapper:
+        label = MapLabels(floor, RangeFinder(world), seed)
+        provenance = replace(provenance, labels=MAPPER, map_digest=floor.map.digest)
 
     def render(pose: Pose) -> Any:
         world.place(pose)
@@ -100,7 +111,6 @@ def collected(
 
     with progress() as bar:
         task = bar.add_task("frames", total=len(plan.poses), result="")
-        provenance = Provenance(scene.name, scene.digest, seed)
-        collect(render, plan, folder, provenance, lambda done, total: bar.update(task, completed=done), should_stop)
+        collect(render, plan, folder, provenance, lambda done, _: bar.update(task, completed=done), should_stop, label)
     camera.close()
     return None if should_stop() else open_store(folder, scene.digest)

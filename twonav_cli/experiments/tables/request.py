@@ -33,6 +33,7 @@ class TableRequest:
         seed: Of the mazes and of everything random in the runs.
         discount: For every learner; None for each one's own.
         cooling: For every learner: a name of COOLINGS.
+        map_from: "survey" or "geometry": which map the scene's maze is made from; None as `read_floor` chooses.
         mazes: Random mazes (Tables 5 and 6, and the sweep).
         scene: Whose maze (Tables 7 and 8, and Fig. 8).
     """
@@ -44,6 +45,7 @@ class TableRequest:
     mazes: int = MAZES
     scene: str = SCENE
     cooling: str = "per-goal"
+    map_from: str | None = None
 
     def check(self) -> None:
         """Make sure that the numbers can be worked with.
@@ -77,12 +79,13 @@ class TableRequest:
         """
         from twonav_cli.mapping.floor import read_floor
 
-        return read_floor(self.scene).maze
+        return read_floor(self.scene, self.map_from).maze
 
     def command(self, on_scene: bool) -> str:
         """Return the command that makes the table again."""
         parts = ["twonav", "reproduce", self.table, "--repeats", str(self.repeats), "--seed", str(self.seed)]
         parts += ["--scene", self.scene] if on_scene else ["--mazes", str(self.mazes)]
+        parts += ["--map-from", self.map_from] if on_scene and self.map_from is not None else []
         parts += [] if self.discount is None else ["--discount", str(self.discount)]
         parts += [] if self.cooling == "per-goal" else ["--cooling", self.cooling]
         return shlex.join(parts)
