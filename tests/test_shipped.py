@@ -11,11 +11,12 @@ import pytest
 
 from twonav_cli.checkpoint import read_card
 from twonav_cli.experiments.localizer_errors import localizer_errors
+from twonav_cli.experiments.map_errors import map_agreement, maze_differences
 from twonav_cli.experiments.predecessors import load_agent, load_localize
-from twonav_cli.mapping.floor import read_floor
+from twonav_cli.mapping.floor import geometry_map, read_floor
+from twonav_cli.mapping.known_maps import find_map
 from twonav_cli.paths import checkpoints_dir
-from twonav_cli.scene.catalog import read_scene, scene_names
-from twonav_cli.scene.geometry_map import occupied_from_geometry
+from twonav_cli.scene.catalog import scene_names
 
 ROOT = Path(__file__).parents[1]
 
@@ -41,10 +42,18 @@ def test_the_apartments_localizer_belongs_to_it() -> None:
 
 
 @pytest.mark.parametrize("name", scene_names())
-def test_the_shipped_map_is_the_one_that_the_geometry_gives(name: str) -> None:
+def test_the_shipped_map_is_one_that_the_robot_made_and_agrees_with_the_geometry(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("TWONAV_RUNS", str(tmp_path))
     floor = read_floor(name)
-    assert (checkpoints_dir() / name / "map" / "map.pgm").is_file()
-    assert (floor.map.occupied == occupied_from_geometry(read_scene(name), floor.map.frame)).all()
+    scene, start = floor.scene, next(iter(floor.scene.starts.values()))
+    geometry = geometry_map(scene)
+    assert map_agreement(floor.map, geometry, start)["agreeing"] >= 0.98
+    assert maze_differences(floor.map, geometry, start) == {"blocked_by_us": [], "freed_by_us": []}
+    assert floor.map_source == "survey"
+    assert floor.walls is not None
+    assert find_map(scene, "survey").folder == checkpoints_dir() / name / "map"  # type: ignore[union-attr]  # it is there
 
 
 def test_the_localizer_is_as_good_at_new_poses_as_its_card_says() -> None:

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +25,7 @@ from twonav_cli.mapping.occupancy import OccupancyMap
 from twonav_cli.mapping.route import Ways, nearest_cell, ways_from
 from twonav_cli.mapping.scan import StampedPose
 from twonav_cli.mapping.survey_body import SurveyBody, sensor_of
+from twonav_cli.mapping.survey_config import SurveyConfig
 from twonav_cli.mapping.survey_drive import Mapper, SurveyDrive
 from twonav_cli.rng import stream
 from twonav_cli.scene.catalog import Scene
@@ -40,30 +40,6 @@ TILE_M = 1.0
 
 SEEN_SHARE = 0.5
 """A robot turns to the next place when less than this of what it drives to is still to be seen (ours)."""
-
-
-def _setting(default: Any, sentence: str) -> Any:
-    return field(default=default, metadata={"help": sentence})
-
-
-@dataclass(frozen=True)
-class SurveyConfig:
-    """How a scene is surveyed."""
-
-    range_noise_m: float = _setting(0.01, "Deviation of a measured range, metres, as of a real laser (ours).")
-    waypoint_m: float = _setting(0.4, "Distance between two points that are driven to, metres (ours).")
-    view_m: float = _setting(1.5, "Farthest place from which a frontier is looked at, metres (ours).")
-    near_m: float = _setting(1.5, "A cell that was seen from nearer than this is seen well, metres (ours).")
-    sides: int = _setting(2, "Directions, of eight, from which a cell must have been seen (ours).")
-    least_frontier: int = _setting(4, "Cells of the smallest frontier that is looked at (ours).")
-    least_unknown: int = _setting(6, "Cells of the smallest unknown region that has a frontier (ours).")
-    least_badly_seen: int = _setting(20, "Cells of the smallest region that is looked at again (ours).")
-    tries: int = _setting(2, "Times that a place is tried before it is left out (ours).")
-    time_limit_s: float = _setting(1800.0, "Simulated time after which the survey ends, seconds (ours).")
-
-
-QUICK = SurveyConfig(sides=0, time_limit_s=180.0)
-"""Shorter: nothing is looked at again."""
 
 FINISHED, TIMED_OUT, STOPPED = "finished", "timed-out", "stopped"
 
@@ -251,8 +227,9 @@ class Survey:
         for point in ways.points_to(cell, self.config.waypoint_m):
             if self._over():
                 return False
+            touched = self._body.collisions
             if map_.occupied[self._frame.cell_at(*point)] or not self._drive.go(point, map_):
-                self._note_failure(point)
+                self._note_failure(point, touched=self._body.collisions > touched)
                 return False
             map_ = self._map()
             if no_more(map_):
@@ -271,10 +248,11 @@ class Survey:
         looked[tuple(view.cluster.T)] = True
         self._tried += binary_dilation(looked, iterations=2)
 
-    def _note_failure(self, point: tuple[float, float]) -> None:
-        """Remember a place that could not be driven to."""
+    def _note_failure(self, point: tuple[float, float], touched: bool) -> None:
+        """Remember a place that could not be driven to; what the bumper felt and no beam saw is not tried again."""
         row, col = self._frame.cell_at(*point)
-        self._failed[max(row - 1, 0) : row + 2, max(col - 1, 0) : col + 2] += 1
+        tries = self.config.tries if touched else 1
+        self._failed[max(row - 1, 0) : row + 2, max(col - 1, 0) : col + 2] += np.uint8(tries)
 
     def _return(self) -> None:
         """Drive back to the start, or as near to it as a way leads."""

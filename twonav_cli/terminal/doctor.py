@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 import os
+from pathlib import Path
 from typing import Any
 
 from twonav_cli.checkpoint import CARD_FILE, load_checkpoint, versions
 from twonav_cli.errors import TwonavError
+from twonav_cli.mapping.floor import survey_command
 from twonav_cli.paths import checkpoints_dir, runs_dir
 from twonav_cli.terminal.console import out
 
@@ -89,6 +91,7 @@ def _checkpoints() -> dict[str, str]:
         folder = card.parent
         name = f"{folder.parent.name}/{folder.name}"
         if folder.name == "map":
+            found[name] = _map_said(folder)
             continue
         kind = "localizer" if folder.name == "localizer" else "agent"
         try:
@@ -97,6 +100,21 @@ def _checkpoints() -> dict[str, str]:
         except TwonavError as error:
             found[name] = f"error: {error}"
     return found
+
+
+def _map_said(folder: Path) -> str:
+    """Return who made a shipped map, or what is wrong with it."""
+    from twonav_cli.mapping.known_maps import find_map
+    from twonav_cli.scene.catalog import read_scene
+
+    try:
+        scene = read_scene(folder.parent.name)
+        known = find_map(scene, None, chosen=folder.parent)
+    except TwonavError as error:
+        return f"error: {error}"
+    if known is None or known.folder != folder:
+        return f"error: damaged, or of another version of the scene: restore it or type `{survey_command(scene.name)}`"
+    return "map, made by the robot" if known.source == "survey" else "map, from the scene's geometry"
 
 
 def _warm_up() -> str:
