@@ -36,7 +36,7 @@ class AlignedErrors(NamedTuple):
     position_rms_m: float
     """After the best rigid alignment of the positions (ATE)."""
     pairs_m: float
-    """Mean translation error of every pair of reference poses at most NEAR_M apart."""
+    """Mean translation error of every pair of reference poses at most NEAR_M apart; NaN where there is none."""
     pairs_deg: float
     used: int
 
@@ -87,6 +87,8 @@ def aligned_errors(trajectory: FloatArray, reference: FloatArray) -> AlignedErro
 
 def _mean_errors(truth: FloatArray, found: FloatArray) -> RelationErrors:
     """Return the mean size of what is left between relations [K, 3] and those found."""
+    if not len(truth):
+        return RelationErrors(np.nan, np.nan, 0)
     left = relative_poses(truth, found)
     off_m, off_rad = np.hypot(left[:, 0], left[:, 1]), np.abs(left[:, 2])
     return RelationErrors(float(off_m.mean()), float(np.degrees(off_rad.mean())), len(left))
@@ -94,6 +96,8 @@ def _mean_errors(truth: FloatArray, found: FloatArray) -> RelationErrors:
 
 def _at(trajectory: FloatArray, stamps_s: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Return the poses [K, 3] at stamps [K], and which stamps the trajectory has."""
+    if len(trajectory) < FEWEST_POSES:
+        raise TwonavError(f"a trajectory of {len(trajectory)} poses cannot be scored: map more of the log")
     order = np.argsort(trajectory[:, 0], kind="stable")
     known = trajectory[order]
     after = np.clip(np.searchsorted(known[:, 0], stamps_s), 1, len(known) - 1)

@@ -33,7 +33,7 @@ COUNT_LIMIT = 30_000
 Floats = NDArray[np.float64]
 
 
-def carve_scan(store: TileStore, particle: int, sensor: Floats, points: Floats) -> None:
+def carve_scan(store: TileStore, particle: int, sensor: Floats, points: Floats, hits: int | None = None) -> None:
     """Put a scan into the map of one particle.
 
     Args:
@@ -41,6 +41,10 @@ def carve_scan(store: TileStore, particle: int, sensor: Floats, points: Floats) 
         particle: Which one.
         sensor: [3] pose of the range finder: x and y in cells, theta.
         points: [N, 2] ends of the beams in the sensor's frame, cells.
+        hits: How many beams, the first ones, hit something at their end; default: all.
+
+    Raises:
+        TwonavError: The map would be larger than any building.
     """
     ends = np.empty_like(points)  # [N, 2] (row, col)
     low_row, low_col, high_row, high_col = _place_ends(sensor, points, ends)
@@ -49,7 +53,10 @@ def carve_scan(store: TileStore, particle: int, sensor: Floats, points: Floats) 
     touched = np.zeros(table.shape, dtype=np.bool_)
     _touch(touched, sensor[1] - first_row, sensor[0] - first_col, ends, first_row, first_col)
     store.own(particle, touched)
-    _carve(store.cells, store.walls, table, sensor[1] - first_row, sensor[0] - first_col, ends, first_row, first_col)
+    _carve(
+        store.cells, store.walls, store.references, store.tables[particle], sensor[1] - first_row,
+        sensor[0] - first_col, ends, first_row, first_col, len(points) if hits is None else hits,
+    )  # fmt: skip
 
 
 @compiled
@@ -103,10 +110,14 @@ def _pace(span: float, at: float, cell: int) -> tuple[float, float]:
 
 @compiled
 def _carve(
-    cells: Cells, walls: Walls, table: Table, from_row: float, from_col: float, ends: Floats, first_row: int,
-    first_col: int,
+    cells: Cells, walls: Walls, references: Table, table: Table, from_row: float, from_col: float, ends: Floats,
+    first_row: int, first_col: int, hits: int,
 ) -> None:  # fmt: skip
-    """Count every beam on its way (exact traversal, Amanatides and Woo 1987); missing tiles are passed over."""
+    """Count every beam on its way (exact traversal, Amanatides and Woo 1987), and the hits where they end.
+
+    Rounding can lead a beam around a corner of tiles on the side that was not touched: what is missing there, or
+    belongs to others too, is passed over.
+    """
     for beam in range(len(ends)):
         end_row, end_col = ends[beam, 0] - first_row, ends[beam, 1] - first_col
         rows, cols = end_row - from_row, end_col - from_col
@@ -120,6 +131,8 @@ def _carve(
             if row >> TILE_BITS != down or col >> TILE_BITS != aside:
                 down, aside = row >> TILE_BITS, col >> TILE_BITS
                 tile = table[down, aside]
+                if tile >= 0 and references[tile] > 1:
+                    tile = NO_TILE
             if tile >= 0:
                 _count_visit(cells, walls, tile, row & TILE_MASK, col & TILE_MASK)
             if next_row < next_col:
@@ -128,7 +141,8 @@ def _carve(
             else:
                 col += right
                 next_col += per_col
-        _count_hit(cells, walls, table[last_row >> TILE_BITS, last_col >> TILE_BITS], end_row, end_col)
+        if beam < hits:
+            _count_hit(cells, walls, table[last_row >> TILE_BITS, last_col >> TILE_BITS], end_row, end_col)
 
 
 @inlined

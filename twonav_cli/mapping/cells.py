@@ -40,8 +40,8 @@ FIRST_EDGE = 32
 MARGIN = FIRST_EDGE // 2
 """Tiles that a table grows by beyond what is needed, so that the next few metres find room."""
 
-MOST_CELLS = 40_000
-"""Edge of the largest map (ours: two kilometres at 5 cm)."""
+MOST_CELLS = 20_000
+"""Edge of the largest map (ours: a kilometre at 5 cm)."""
 
 Cells = NDArray[np.int16]
 Table = NDArray[np.int32]
@@ -108,7 +108,7 @@ class TileStore:
         right = (high_col - self.first_col - cols) // TILE + 1
         if max(below, left, above, right) <= 0:
             return
-        across = max(rows, high_row - low_row, cols, high_col - low_col, -low_row, -low_col, high_row, high_col)
+        across = max(rows + (max(below, 0) + max(above, 0)) * TILE, cols + (max(left, 0) + max(right, 0)) * TILE)
         if across > MOST_CELLS:
             raise TwonavError(
                 f"the map would be {across:,} cells wide: look for a jump in the odometry, or take larger cells"

@@ -19,7 +19,7 @@ from twonav_cli.mapping.look_around import found_pose
 from twonav_cli.mapping.motion_model import motion_covariance
 from twonav_cli.mapping.occupancy import OccupancyMap
 from twonav_cli.mapping.particles import Particles
-from twonav_cli.mapping.scan import RangeSensor, Reading, StampedPose, points_of
+from twonav_cli.mapping.scan import RangeSensor, Reading, StampedPose, clear_points, points_of
 from twonav_cli.mapping.scan_match import matching_rule
 from twonav_cli.mapping.surface_normals import surface_normals
 from twonav_cli.mapping.tile_picture import drawn, wall_points
@@ -76,7 +76,7 @@ class GridMapper:
         ends_m = points_of(self.sensor, reading.ranges_m, ORIGIN, self._limit_m)
         if self._first is None:
             self._first, self._odom = reading, reading.pose_odom
-            self._particles.begin(reading.stamp_s, self._units.of_motion(self.sensor.mount), self._seen(reading))
+            self._particles.begin(reading.stamp_s, self._units.of_motion(self.sensor.mount), *self._seen(reading))
             self._tell(reading, False, 0, pose_true)
             return True
         moved = relative_pose(self._odom, reading.pose_odom)
@@ -125,10 +125,15 @@ class GridMapper:
         path = np.array([stamped.pose for stamped in self.trajectory()])
         self._sink(MapDrawn(self._clock, map_.pixels, map_.frame, path))
 
-    def _seen(self, reading: Reading) -> FloatArray:
-        """Return the ends of the beams [N, 2] in the range finder's own frame, in cells."""
+    def _seen(self, reading: Reading) -> tuple[FloatArray, int]:
+        """Return the ends of the beams [N, 2] in the range finder's own frame, in cells, and how many hit something.
+
+        Those that hit nothing come last.
+        """
         at = relative_pose(self.sensor.mount, ORIGIN)
-        return points_of(self.sensor, reading.ranges_m, at, self._limit_m) / self.config.resolution_m
+        hits = points_of(self.sensor, reading.ranges_m, at, self._limit_m)
+        clear = clear_points(self.sensor, reading.ranges_m, self._limit_m)
+        return np.concatenate([hits, clear]) / self.config.resolution_m, len(hits)
 
     def _follow(self, moved: Pose, points: FloatArray, normals: FloatArray) -> None:
         """Follow the robot between keyframes on the best particle's map.
@@ -154,7 +159,7 @@ class GridMapper:
         unmatched = particles.move(
             points, normals, units.of_motion(followed), units.of_motion(self._driven), np.stack(covariances)
         )
-        particles.map_scan(reading.stamp_s, units.of_motion(self.sensor.mount), self._seen(reading))
+        particles.map_scan(reading.stamp_s, units.of_motion(self.sensor.mount), *self._seen(reading))
         few = particles.few
         self._tell(reading, few, unmatched, pose_true)
         if few:

@@ -56,10 +56,10 @@ class Particles:
         """Whether so few particles carry the weight that they should be drawn again."""
         return self.effective < self._config.resample_share * len(self.poses)
 
-    def begin(self, stamp_s: float, sensor_motion: FloatArray, points: FloatArray) -> None:
+    def begin(self, stamp_s: float, sensor_motion: FloatArray, points: FloatArray, hits: int | None = None) -> None:
         """Put the first scan into one map, which all share: they believe the same still."""
         self.paths.grow(stamp_s, self.poses)
-        carve_scan(self.store, 0, composed(self.poses[:1], sensor_motion)[0], points)
+        carve_scan(self.store, 0, composed(self.poses[:1], sensor_motion)[0], points, hits)
         self.store.draw_again(np.zeros(len(self.poses), dtype=np.int64))
 
     def move(
@@ -93,17 +93,18 @@ class Particles:
         self.best = int(np.argmax(self._log_totals))
         return int((out[:, SHARE] < 0).sum())
 
-    def map_scan(self, stamp_s: float, sensor_motion: FloatArray, points: FloatArray) -> None:
+    def map_scan(self, stamp_s: float, sensor_motion: FloatArray, points: FloatArray, hits: int | None = None) -> None:
         """Put a scan into every particle's map from where it believes to be.
 
         Args:
             stamp_s: When it was taken.
             sensor_motion: [3] pose of the range finder in the robot's frame.
             points: [N, 2] ends of the beams in the range finder's frame.
+            hits: How many of them, the first ones, hit something; default: all.
         """
         self.paths.grow(stamp_s, self.poses)
         for particle, sensor in enumerate(composed(self.poses, sensor_motion)):
-            carve_scan(self.store, particle, sensor, points)
+            carve_scan(self.store, particle, sensor, points, hits)
 
     def draw_again(self) -> None:
         """Go on with particles drawn by their weights, which then weigh the same."""

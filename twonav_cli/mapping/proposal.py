@@ -5,6 +5,8 @@ P particles, N beams that hit something, S samples. Lengths are in cells.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,8 +19,8 @@ DRAWN, MAXIMUM = "gaussian", "maximum"
 PROPOSALS = (DRAWN, MAXIMUM)
 """Draw each particle from a Gaussian around the maximum (the paper), or take the maximum (the well-known program)."""
 
-SPREAD = 1.5
-"""Deviations at which the samples lie on each side of the maximum (ours)."""
+SPREAD = math.sqrt(3.0)
+"""Deviations at which the samples lie on each side of the maximum: those of the rule below."""
 
 SAMPLE_STRIDE = 3
 """Every how many beams one counts for a sample (ours)."""
@@ -29,6 +31,10 @@ CUBE = np.array(
     + [[float(x), float(y), float(t)] for x in (-1, 1) for y in (-1, 1) for t in (-1, 1)]
 )
 """[S, 3] middle, faces and corners of a cube."""
+
+SAMPLE_LOG_WEIGHTS = np.log([2 / 9] + [1 / 9] * 6 + [1 / 72] * 8) + 0.5 * SPREAD**2 * (CUBE**2).sum(axis=1)
+"""[S] The first factor makes the samples integrate a normal density times any quintic polynomial exactly; over
+that density (the second) they weigh samples of another one. Ours: the paper only takes samples around the maximum."""
 
 TINY = 1e-9
 """Variance that keeps a covariance positive when one sample has all the weight, squared cells and radians."""
@@ -109,7 +115,7 @@ def gaussian_around(
         offsets[j] = times(axes, CUBE[j]) * SPREAD
         at = pose + offsets[j]
         likelihood, _ = likelihood_at(grid, points, normals, at, rule[2], NARROW_REACH, SAMPLE_STRIDE)
-        values[j] = rule[0] * SAMPLE_STRIDE * likelihood + log_prior(at, prior, information)
+        values[j] = rule[0] * SAMPLE_STRIDE * likelihood + log_prior(at, prior, information) + SAMPLE_LOG_WEIGHTS[j]
     top = values.max()
     tau = np.exp(values - top)
     total = tau.sum()
@@ -123,4 +129,4 @@ def gaussian_around(
     for k in range(3):
         covariance[k, k] += TINY
     volume = np.log(np.abs(axes[0, 0] * axes[1, 1] * axes[2, 2]))
-    return pose + mean, root(covariance), float(top + np.log(total / count) + volume)
+    return pose + mean, root(covariance), float(top + np.log(total) + volume)

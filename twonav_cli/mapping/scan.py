@@ -20,11 +20,14 @@ class RangeSensor:
         angles_rad: [B] direction of each beam in the sensor's own frame.
         mount: Pose of the sensor in the robot's frame.
         max_m: A reading of this or more hit nothing.
+        clear_m: How far the way of a beam that hit nothing is free for sure; 0 where it may have been lost, as a real
+            laser's is on glass or on black.
     """
 
     angles_rad: FloatArray
     mount: Pose
     max_m: float
+    clear_m: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -69,3 +72,10 @@ def usable(ranges_m: FloatArray, limit_m: float) -> np.ndarray[tuple[int], np.dt
     """Return which readings [B] are of something: a positive number below the limit."""
     with np.errstate(invalid="ignore"):
         return np.asarray((ranges_m > 0.0) & (ranges_m < limit_m))  # a comparison with NaN is False
+
+
+def clear_points(sensor: RangeSensor, ranges_m: FloatArray, limit_m: float) -> FloatArray:
+    """Return how far the beams that hit nothing are free [N, 2], in the sensor's own frame, metres."""
+    with np.errstate(invalid="ignore"):
+        angles_rad = sensor.angles_rad[ranges_m >= sensor.max_m] if sensor.clear_m > 0.0 else np.zeros(0)
+    return min(sensor.clear_m, limit_m) * np.stack([np.cos(angles_rad), np.sin(angles_rad)], axis=1)

@@ -10,13 +10,16 @@ from twonav_cli.navigation.costmap import LASER_X_M
 from twonav_cli.scene.laser import BEAM_ANGLES_RAD, RangeFinder
 from twonav_cli.scene.robot_body import RobotBody
 
+CLEAR_SHARE = 0.98
+"""A simulated beam that hits nothing is free up to this share of its range: noise may hide a wall at its end (ours)."""
+
 LEAST_RANGE_M = 0.01
 """Noise makes no range shorter than this (ours)."""
 
 
 def sensor_of(laser: RangeFinder) -> RangeSensor:
     """Return what the mapper must know of the robot's range finder."""
-    return RangeSensor(BEAM_ANGLES_RAD, Pose(LASER_X_M, 0.0, 0.0), laser.max_m)
+    return RangeSensor(BEAM_ANGLES_RAD, Pose(LASER_X_M, 0.0, 0.0), laser.max_m, CLEAR_SHARE * laser.max_m)
 
 
 def noisy_ranges(ranges_m: FloatArray, max_m: float, noise_m: float, rng: np.random.Generator) -> FloatArray:
