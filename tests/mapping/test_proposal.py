@@ -4,7 +4,17 @@ from walls_seen import LOOSE, RULE, TRUE, Scene, by, corner
 
 from twonav_cli.geometry import FloatArray
 from twonav_cli.mapping.cells import TileStore
-from twonav_cli.mapping.proposal import COLUMNS, CUBE, LOG_WEIGHT, POSE, SHARE, gaussian_around, propose
+from twonav_cli.mapping.proposal import (
+    COLUMNS,
+    CUBE,
+    LOG_WEIGHT,
+    POSE,
+    SAMPLE_LOG_WEIGHTS,
+    SHARE,
+    SPREAD,
+    gaussian_around,
+    propose,
+)
 from twonav_cli.mapping.scan_match import best_pose, likelihood_at, log_prior
 from twonav_cli.mapping.three_by_three import root_of_inverse
 
@@ -67,16 +77,23 @@ def test_the_samples_are_the_middle_the_faces_and_the_corners_of_a_cube() -> Non
     assert not CUBE.sum(axis=0).any()
 
 
+def test_the_samples_integrate_a_normal_density_times_a_quintic_polynomial_exactly() -> None:
+    at = SPREAD * CUBE
+    weights = np.exp(SAMPLE_LOG_WEIGHTS - 0.5 * (at**2).sum(axis=1))
+    x, y, t = at.T
+    assert weights.sum() == pytest.approx(1.0)
+    assert [weights @ (x * x), weights @ x**4, weights @ (y * y * t * t)] == pytest.approx([1.0, 3.0, 1.0])
+    assert [weights @ (x * y), weights @ (x**3 * t * t), weights @ t**5] == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
+
+
 def test_the_gaussian_lies_where_the_posterior_does(scene: Scene) -> None:
     pose, axes = maximum(scene)
     mean, spread, _ = gaussian_around(scene.grid, scene.points, scene.normals, pose, axes, PRIOR, LOOSE, RULE)
     true_mean, true_covariance, _ = integrated(scene)
     whiten = np.linalg.inv(np.linalg.cholesky(true_covariance))
-    assert np.abs(whiten @ (mean - true_mean)).max() < 0.2
-    # Fifteen samples that count the same make a Gaussian too narrow: they keep 0.65 of its variance.
+    assert np.abs(whiten @ (mean - true_mean)).max() < 0.35  # a sample counts every third beam only
     variances = np.linalg.eigvalsh(whiten @ spread @ spread.T @ whiten.T)
-    assert variances.min() > 0.5
-    assert variances.max() < 1.2
+    assert variances == pytest.approx(np.ones(3), abs=0.15)
 
 
 def test_the_mean_goes_to_where_the_samples_are_likelier(scene: Scene) -> None:
@@ -86,7 +103,7 @@ def test_the_mean_goes_to_where_the_samples_are_likelier(scene: Scene) -> None:
     back = np.linalg.solve(axes, mean - off)
     assert back[0] < -0.4
     assert back[2] > 0.4
-    assert abs(back[1]) < 0.2
+    assert abs(back[1]) < 0.35
 
 
 def test_the_weight_grows_as_the_integral_of_the_posterior_does(scene: Scene) -> None:
@@ -104,7 +121,7 @@ def test_the_weight_grows_as_the_integral_of_the_posterior_does(scene: Scene) ->
     pose, axes = maximum(seen)
     arguments = (seen.grid, seen.points, seen.normals, pose, axes, PRIOR, LOOSE, RULE)
     weight = gaussian_around(*arguments)[2]
-    assert weight - weights[0] == pytest.approx(integrated(seen)[2] - integrals[0], abs=1.0)
+    assert weight - weights[0] == pytest.approx(integrated(seen)[2] - integrals[0], abs=2.0)
     assert weight - weights[0] > 1
     assert np.array(weights) - weights[0] == pytest.approx(np.array(integrals) - integrals[0], abs=1.0)
 

@@ -96,13 +96,13 @@ def _mean_errors(truth: FloatArray, found: FloatArray) -> RelationErrors:
 
 def _at(trajectory: FloatArray, stamps_s: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Return the poses [K, 3] at stamps [K], and which stamps the trajectory has."""
-    if len(trajectory) < FEWEST_POSES:
-        raise TwonavError(f"a trajectory of {len(trajectory)} poses cannot be scored: map more of the log")
-    order = np.argsort(trajectory[:, 0], kind="stable")
-    known = trajectory[order]
-    after = np.clip(np.searchsorted(known[:, 0], stamps_s), 1, len(known) - 1)
-    before_is_nearer = np.abs(known[after - 1, 0] - stamps_s) <= np.abs(known[after, 0] - stamps_s)
-    nearest = np.where(before_is_nearer, after - 1, after)
+    if not len(trajectory):
+        raise TwonavError("the trajectory is empty: score a trajectory of the same log")
+    known = trajectory[np.argsort(trajectory[:, 0], kind="stable")]
+    after = np.minimum(np.searchsorted(known[:, 0], stamps_s), len(known) - 1)
+    before = np.maximum(after - 1, 0)
+    before_is_nearer = np.abs(known[before, 0] - stamps_s) <= np.abs(known[after, 0] - stamps_s)
+    nearest = np.where(before_is_nearer, before, after)
     return known[nearest, 1:], np.abs(known[nearest, 0] - stamps_s) <= STAMP_TOLERANCE_S
 
 
