@@ -125,7 +125,7 @@ def load_checkpoint(
     if map_digest is not None and card.get("map_digest") != map_digest:
         raise TwonavError(
             f"the {kind} in {folder} was made on another map of the scene: train it again on this one, "
-            "or say which map is meant with --map-from"
+            "name its folder with --checkpoints, or the other map with --map-from"
         )
     path = folder / ARRAYS_FILE
     try:

@@ -135,7 +135,7 @@ class MappingConfig:
 
     particles: int = _setting(30, "Particles, each with a map of its own (ours; the paper does not say).")
     resolution_m: float = _setting(0.05, "Edge of a map cell, metres (§4.3).")
-    max_range_m: float = _setting(20.0, "Beams are cut at this range, metres (ours).")
+    max_range_m: float = _setting(20.0, "Beams are cut at this range, metres: free up to it (ours).")
     keyframe_distance_m: float = _setting(0.5, "Distance driven after which a scan goes into the map, metres (ours).")
     keyframe_turn_rad: float = _setting(0.25, "Angle turned after which a scan goes into the map, radians (ours).")
     proposal: str = _setting("gaussian", "gaussian: draw around the maximum (Grisetti et al. 2007); maximum: take it.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -78,6 +79,17 @@ def test_where_a_folder_is_named_only_that_one_counts(places: tuple[Path, Path],
 def test_a_missing_checkpoint_is_answered_with_the_command_that_makes_it(places: tuple[Path, Path]) -> None:
     with pytest.raises(TwonavError, match=r"`twonav train --stage localizer --scene kitchen`"):
         checkpoint_folder("kitchen", "localizer")
+
+
+@pytest.mark.usefixtures("places")
+@pytest.mark.parametrize(("source", "option"), [("geometry", " --map-from geometry"), ("survey", "")])
+def test_the_command_makes_it_on_the_map_that_is_in_use(floor: Floor, source: str, option: str) -> None:
+    floor = replace(floor, map_source=source)
+    for stage in ("maze", "3d"):
+        with pytest.raises(TwonavError, match=f"`twonav train --stage maze --scene kitchen{option}`"):
+            load_agent(floor, stage)
+    with pytest.raises(TwonavError, match=f"`twonav train --stage localizer --scene kitchen{option}`"):
+        load_localize(floor)
 
 
 def test_3d_takes_its_own_agent_else_that_of_the_maze(places: tuple[Path, Path], floor: Floor) -> None:

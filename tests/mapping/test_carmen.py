@@ -97,6 +97,15 @@ def test_a_laser_whose_place_changes_sits_in_the_middle_and_that_is_said(read: R
     assert "of 9 scans say otherwise where the laser sits" in log.warnings[0]
 
 
+def test_a_line_whose_laser_has_no_place_does_not_count_for_it(read: Read) -> None:
+    mount = Pose(0.2, 0.0, 0.0)
+    lasers = [Pose(0.0, math.nan, 0.0), *(compose(pose, mount) for pose in way(9)[1:])]
+    lines = [flaser(FIRST_S + i, (1.0, 2.0), pose, lasers[i]) for i, pose in enumerate(way(9))]
+    log = read(lines)
+    assert log.sensor.mount == pytest.approx(mount, abs=1e-5)
+    assert len(log.readings) == 9
+
+
 def test_the_place_of_the_laser_may_be_known_better(read: Read) -> None:
     assert read(room_lines(3), Pose(-0.04, 0.0, 0.0)).sensor.mount == (-0.04, 0.0, 0.0)
 
@@ -241,6 +250,46 @@ def test_one_time_in_the_future_does_not_cost_the_scans_after_it(read: Read) -> 
     assert [reading.stamp_s - FIRST_S for reading in log.readings] == pytest.approx([0, 1, 2, 3])
 
 
+@pytest.mark.parametrize("stamp_s", [-1e300, -1.7e12, 1.7e12, 1e300, 1.7e308])
+@pytest.mark.parametrize("index", [0, 15, 29])
+def test_a_scan_whose_time_is_absurdly_far_from_the_others_is_left_out(read: Read, stamp_s: float, index: int) -> None:
+    lines = [scan(i) for i in range(30)]
+    lines[index] = flaser(stamp_s, (1.0, 2.0, 3.0), ORIGIN)
+    log = read(lines)
+    assert len(log.readings) == 29
+    assert log.duration_s < 30.0
+    assert log.left_out == {"scans whose time is far from the others'": 1}
+    assert log.warnings == []
+
+
+def test_milliseconds_are_no_reason_to_leave_a_scan_out(read: Read) -> None:
+    log = read([flaser(1.7e12 + 1000.0 * i, (1.0, 2.0, 3.0), Pose(0.1 * i, 0.0, 0.0)) for i in range(9)])
+    assert (len(log.readings), log.left_out, log.warnings) == (9, {}, [])
+
+
+def test_many_scans_whose_time_is_far_from_the_others_are_a_warning(read: Read) -> None:
+    nanoseconds = [flaser(1.7e18 + 1e9 * i, (1.0, 2.0, 3.0), Pose(0.1 * i, 0.0, 0.0)) for i in range(30)]
+    assert (
+        "scans are left out: their time is far from the others' (time must be in seconds)"
+        in read(nanoseconds).warnings[0]
+    )
+
+
+def test_a_clock_that_is_set_back_on_the_way_is_a_warning(read: Read) -> None:
+    before, after = [scan(1000 + i) for i in range(5)], [scan(i) for i in range(4)]
+    log = read([*before, *after])
+    assert log.left_out == {"scans whose time does not go on": 4}
+    (warning,) = log.warnings
+    assert warning.startswith("4 of 9 scans are left out: their time does not go on")
+    assert "cut the log" in warning
+
+
+def test_a_few_scans_whose_time_does_not_go_on_are_only_counted(read: Read) -> None:
+    log = read([scan(0), scan(1), scan(1), *(scan(i) for i in range(2, 12))])
+    assert log.left_out == {"scans whose time does not go on": 1}
+    assert log.warnings == []
+
+
 def test_a_scan_without_a_pose_takes_it_from_the_odometry_lines_around_it(read: Read) -> None:
     lost = scan(2, pose=Pose(math.nan, 0.0, 0.0))
     turned = odom(FIRST_S + 3.0, Pose(0.4, 0.2, -3.0))
@@ -250,7 +299,16 @@ def test_a_scan_without_a_pose_takes_it_from_the_odometry_lines_around_it(read: 
     assert abs(log.readings[1].pose_odom.theta_rad) == pytest.approx(math.pi, abs=1e-6)
 
 
-@pytest.mark.parametrize("pose", [Pose(math.nan, 0.0, 0.0), Pose(0.0, math.inf, 0.0), Pose(1e300, 0.0, 0.0)])
+@pytest.mark.parametrize(
+    "pose",
+    [
+        Pose(math.nan, 0.0, 0.0),
+        Pose(0.0, math.nan, 0.0),
+        Pose(0.0, 0.0, math.nan),
+        Pose(0.0, math.inf, 0.0),
+        Pose(1e300, 0.0, 0.0),
+    ],
+)
 def test_a_scan_that_has_no_pose_at_all_is_left_out(read: Read, pose: Pose) -> None:
     log = read([scan(0), scan(1, pose=pose), scan(2)])
     assert len(log.readings) == 2
@@ -316,3 +374,15 @@ def test_a_real_log_is_read_whole_in_a_moment_and_has_the_stamps_of_its_referenc
     asked = [line.split()[0] for line in (SLAM / reference).read_text().splitlines() if line[:1].isdigit()]
     found = sum(stamp in stamps for stamp in asked)
     assert found >= (0.99 if "csail" in name else 0.08) * len(asked)
+
+
+def test_ranges_that_are_no_distances_are_counted(read: Read) -> None:
+    odd = [flaser(float(i), (1.0, float("nan"), -1.0), Pose(0.1 * i, 0.0, 0.0)) for i in range(4)]
+    (warning,) = read(odd).warnings
+    assert warning.startswith("8 of 12 ranges are negative or not a number")
+
+
+def test_many_scans_of_another_number_of_beams_are_a_warning(read: Read) -> None:
+    lines = [flaser(float(i), (1.0,) * (3 if i < 6 else 5), Pose(0.1 * i, 0.0, 0.0)) for i in range(10)]
+    (warning,) = read(lines).warnings
+    assert warning.startswith("4 of 10 scans are left out: they have another number of beams")

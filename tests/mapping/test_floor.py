@@ -162,6 +162,18 @@ def test_the_survey_of_a_scene_that_has_changed_does_not_count(room: Path, runs:
         read_floor(str(room), "survey")
 
 
+def test_a_floor_knows_of_the_survey_that_no_longer_fits(room: Path, runs: Path) -> None:
+    folder = runs / "room" / "map"
+    assert read_floor(str(room)).outdated is None
+    surveyed(room, folder)
+    assert read_floor(str(room)).outdated is None
+    room.write_text(ROOM.format(stool_x=0.8))
+    assert read_floor(str(room)).outdated == folder
+    assert read_floor(str(room), "geometry").outdated is None
+    (folder / "card.json").write_text("[]")
+    assert read_floor(str(room)).outdated is None
+
+
 def test_a_card_without_a_source_is_of_the_geometry(room: Path, runs: Path) -> None:
     surveyed(room, runs / "room" / "map")
     path = runs / "room" / "map" / "card.json"

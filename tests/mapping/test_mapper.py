@@ -335,3 +335,9 @@ def test_a_second_time_around_takes_little_more_memory() -> None:
     assert once.map_bytes > 1.5 * GridMapper(config, SENSOR).map_bytes
     assert twice.map_bytes < 1.3 * once.map_bytes
     assert distance_m(twice.pose(), poses[-1]) < 0.02
+
+
+def test_odometry_that_is_not_a_number_is_refused() -> None:
+    mapper = GridMapper(CONFIG, SENSOR, start=START)
+    with pytest.raises(TwonavError, match="not a number"):
+        mapper.add(Reading(FIRST_S, Pose(0.0, float("nan"), 0.0), ranges_at(START)))

@@ -109,6 +109,7 @@ def test_a_broken_picture_is_refused(yaml_path: Path, content: bytes, expected: 
         ("[-2.4, -0.1, 0.0]", "[-2.4]", "origin must be"),
         ("[-2.4, -0.1, 0.0]", "[nan, 0, 0]", "origin must be"),
         ("[-2.4, -0.1, 0.0]", "[-2.4, -0.1, 0.5]", "turned"),
+        ("occupied_thresh: 0.65", "occupied_thresh: 0.1", "occupied_thresh (0.1) is below free_thresh (0.196)"),
     ],
 )
 def test_a_broken_yaml_file_is_refused(yaml_path: Path, old: str, new: str, expected: str) -> None:

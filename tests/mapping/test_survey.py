@@ -161,7 +161,8 @@ def test_what_happens_leaves_as_events_with_the_truth_beside_it(flat) -> None:
     drawn = [event for event in seen if isinstance(event, MapDrawn)]
     assert drawn[-1].frame == found.map.frame
     assert np.array_equal(drawn[-1].pixels, found.map.pixels)
-    assert "the survey is over: finished" in [event.text for event in seen if isinstance(event, Note)]
+    said = [event.text for event in seen if isinstance(event, Note)]  # who sends RunEnded says how it ended
+    assert said == ["exploring: going to where the known floor ends", "going back to the start"]
 
 
 def test_a_place_that_is_not_reached_is_tried_again_and_then_left(flat, monkeypatch: pytest.MonkeyPatch) -> None:

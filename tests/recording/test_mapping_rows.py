@@ -263,6 +263,18 @@ def test_a_jump_away_from_odometry_is_said(tmp_path: Path, pose: Pose, said_so: 
     assert set(lines.values()) == {"WARN"}
 
 
+@pytest.mark.parametrize(
+    ("pose", "said_so"),
+    [
+        (Pose(0.5, 0.25 + 0.4, 0.0), "odometry's guess was corrected by 0.38 m, 0 deg"),
+        (Pose(0.5, 0.25, 0.3), "odometry's guess was corrected by 0.02 m, 17 deg"),
+    ],
+)
+def test_a_large_correction_is_said_but_is_no_trouble(tmp_path: Path, pose: Pose, said_so: str) -> None:
+    assert said(tmp_path / "run.rrd", [keyframe(1), moved(keyframe(2), pose)]) == {said_so: "INFO"}
+    assert all(chunk.is_static for chunk in batches_of(tmp_path / "run.rrd")["/mapping/map/trouble"])
+
+
 def test_drawing_particles_again_is_a_diamond_and_a_warning_only_when_few_were_left(tmp_path: Path) -> None:
     path = tmp_path / "run.rrd"
     collapsed = replace(keyframe(3, resampled=True), effective=0.3)
@@ -290,6 +302,13 @@ def test_another_way_than_before_is_said(tmp_path: Path) -> None:
 
 def test_notes_are_in_the_log(tmp_path: Path) -> None:
     assert said(tmp_path / "run.rrd", [Note(clock_of(0), "WARN", "the log is cut off")])["the log is cut off"] == "WARN"
+
+
+def test_what_the_run_warned_of_is_read_back(tmp_path: Path) -> None:
+    notes = [Note(clock_of(0), "WARN", "odometry jumps"), Note(clock_of(0), "INFO", "all is well")]
+    sent = [started(), *notes, keyframe(1), keyframe(2, unmatched=1), Note(clock_of(2), "WARN", "it is cut off")]
+    assert summarize(record(tmp_path / "run.rrd", "map", sent)).warnings == ("odometry jumps", "it is cut off")
+    assert summarize(record(tmp_path / "calm.rrd", "map", mapped_run(2))).warnings == ()
 
 
 # The numbers

@@ -1,4 +1,4 @@
-"""What `twonav inspect` says of a learning run."""
+"""What `twonav inspect` says of a learning run, and of a mapping."""
 
 from __future__ import annotations
 
@@ -11,7 +11,19 @@ import numpy as np
 import pytest
 from rerun.chunk import LazyChunkStream, RrdReader
 
-from twonav_cli.events import Clock, Event, GoalAdded, GoalChosen, GoalLearned, RunEnded, RunStarted, TrialBatch
+from twonav_cli.events import (
+    Clock,
+    Event,
+    GoalAdded,
+    GoalChosen,
+    GoalLearned,
+    KeyframeMapped,
+    Note,
+    RunEnded,
+    RunStarted,
+    TrialBatch,
+)
+from twonav_cli.geometry import Pose
 from twonav_cli.maze import Cell, Maze
 from twonav_cli.recording.recorder import Recorder
 from twonav_cli.recording.trained_goals import TrainedGoal
@@ -141,3 +153,32 @@ def test_a_goal_that_was_added_is_mentioned(tmp_path: Path, capsys: pytest.Captu
 def test_a_goal_without_numbers_has_only_its_reason() -> None:
     turn = TrainedGoal("bed", 5, 9, 5, 50, "the run goes on with it", None, "", None, None, None)
     assert because(turn) == "the run goes on with it"
+
+
+def test_of_a_mapping_it_names_every_warning_and_both_of_the_largest_jumps(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def at(number: int, pose: Pose, unmatched: int = 0) -> KeyframeMapped:
+        odometry, clock = Pose(float(number), 0.0, 0.0), Clock(step=number, time_s=float(number))
+        return KeyframeMapped(
+            clock, pose, np.array([pose]), np.ones(1), 1.0, False, unmatched, np.zeros((1, 2)), odometry
+        )
+
+    path = tmp_path / "mapped.rrd"
+    warning = "odometry jumped 1000 m at 3.0 s [of the log]"
+    with Recorder(path, "map") as recorder:
+        recorder(RunStarted(Clock(), "map", "map", "hall", 0, {}))
+        recorder(Note(Clock(), "WARN", warning))
+        for event in (at(1, Pose(1.0, 0.0, 0.0)), at(2, Pose(2.0, 0.7, 0.0)), at(3, Pose(3.0, 0.7, 0.6))):
+            recorder(event)
+    lines = told(path, capsys)
+    assert f"warnings: {warning}" in lines
+    jumps = "#2 (the largest jump in metres), #3 (the largest in degrees)"
+    assert f"look at it: timeline keyframe, {jumps}" in lines
+    run_inspect(path, as_json=True)
+    assert json.loads(capsys.readouterr().out)["warnings"] == [warning]
+    with Recorder(path, "map") as recorder:
+        for event in (RunStarted(Clock(), "map", "map", "hall", 0, {}), at(1, Pose(1.0, 0.0, 0.0), unmatched=1)):
+            recorder(event)
+    failed = "look at it: timeline keyframe, #1 (scan matching failed), #1"
+    assert any(line.startswith(failed) for line in told(path, capsys))

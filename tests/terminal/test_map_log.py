@@ -16,7 +16,10 @@ import pytest
 from room_log import BETWEEN_S, FIRST_S, START, drifting, flaser, odom, ranges_at, room_lines, way
 
 from twonav_cli.checkpoint import signed
+from twonav_cli.errors import TwonavError
+from twonav_cli.files import write_whole
 from twonav_cli.geometry import Pose, compose, relative_pose
+from twonav_cli.mapping import occupancy, trajectory
 from twonav_cli.mapping.mapper import GridMapper
 from twonav_cli.mapping.occupancy import load_map
 from twonav_cli.mapping.scan import Reading
@@ -24,7 +27,7 @@ from twonav_cli.mapping.trajectory import read_trajectory
 from twonav_cli.paths import scenes_dir
 from twonav_cli.recording.reader import summarize
 from twonav_cli.terminal import map_log
-from twonav_cli.terminal.map_log import MapRequest
+from twonav_cli.terminal.map_log import MapRequest, _kept_apart
 from twonav_cli.terminal.map_options import MapChoices
 
 if TYPE_CHECKING:
@@ -230,6 +233,43 @@ def test_an_interrupted_run_saves_the_map_so_far(twonav: Twonav, tmp_path: Path,
     assert (summarize(recorded).ending, summarize(recorded).whole) == ("stopped", True)
 
 
+# Writing over an earlier result
+
+
+@pytest.mark.parametrize("last", ["map.pgm", "map.yaml", "trajectory.txt"])
+def test_a_stop_while_writing_never_leaves_new_pixels_under_an_old_card(
+    twonav: Twonav, tmp_path: Path, log: Path, monkeypatch: pytest.MonkeyPatch, last: str
+) -> None:
+    folder = tmp_path / "a"
+    assert twonav("map", log, *SMALL, "--no-record", "--out", folder).code == 0
+    old_yaml = (folder / "map.yaml").read_bytes()
+
+    def stopping(path: Path, content: bytes | str) -> Path:
+        written = write_whole(path, content)
+        if path.name == last:
+            raise TwonavError("stopped here")
+        return written
+
+    for module in (occupancy, trajectory, map_log):
+        monkeypatch.setattr(module, "write_whole", stopping)
+    again = [*SMALL, "--resolution", "0.1", "--no-record", "--out", folder]
+    assert "stopped here" in twonav("map", log, *again).complaint
+    assert not (folder / "card.json").exists()
+    if last == "map.pgm":
+        assert not (folder / "map.yaml").exists()
+    else:
+        assert (folder / "map.yaml").read_bytes() != old_yaml
+
+
+def test_a_log_with_a_time_that_is_absurdly_far_away_is_mapped_without_it(twonav: Twonav, tmp_path: Path) -> None:
+    lines = [flaser(0.0, ranges_at(START, 181), START), *room_lines(20)]
+    milliseconds = [line.replace(" 1134864", " 1134864000") for line in lines]
+    path = written(tmp_path / "room.clf", milliseconds)
+    ended = twonav("map", path, *SMALL, "--record", tmp_path / "r.rrd", "--out", tmp_path / "a")
+    assert ended.code == 0
+    assert "left out: scans whose time is far from the others' 1" in ended.out
+
+
 # What is refused
 
 
@@ -266,7 +306,10 @@ def test_a_log_is_needed(twonav: Twonav) -> None:
 
 def test_a_log_in_which_no_beam_hits_anything_is_one_line(twonav: Twonav, tmp_path: Path) -> None:
     path = written(tmp_path / "open.clf", [flaser(FIRST_S + i, [81.91] * 181, Pose(i, 0.0, 0.0)) for i in range(5)])
-    assert "hits anything within 20 m" in twonav("map", path).complaint
+    said = twonav("map", path).complaint
+    assert "no beam" in said
+    assert "hits anything nearer than 80 m, where the laser ends: name another log, with ranges in metres" in said
+    assert "--max-range" not in said
     path = written(tmp_path / "far.clf", [flaser(FIRST_S + i, [30.0 + 0.01 * i] * 181, START) for i in range(5)])
     assert "name another log, or a larger --max-range" in twonav("map", path, "--max-range", "5").complaint
 
@@ -316,3 +359,42 @@ def test_the_beginning_of_a_real_log_is_mapped(twonav: Twonav, tmp_path: Path) -
     assert (report["scans"], report["keyframes_without_match"]) == (200, 0)
     stamps = {line.split()[-3] for line in lines if line.startswith("FLASER")}
     assert {f"{stamped.stamp_s:.6f}" for stamped in read_trajectory(tmp_path / "a" / "trajectory.txt")} <= stamps
+
+
+def test_the_log_of_one_scan_is_a_warning(twonav: Twonav, tmp_path: Path) -> None:
+    path = written(tmp_path / "one.clf", [flaser(FIRST_S, ranges_at(START, 181), Pose(1.0, 2.0, 0.5))])
+    ended = twonav("map", path, *SMALL, "--no-record", "--out", tmp_path / "a")
+    assert ended.code == 0
+    assert "warning: there is one scan only" in ended.err
+
+
+def test_a_folder_with_a_map_of_somebody_else_is_refused(twonav: Twonav, tmp_path: Path) -> None:
+    path = written(tmp_path / "one.clf", [flaser(FIRST_S, ranges_at(START, 181), Pose(1.0, 2.0, 0.5))])
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / "map.pgm").write_bytes(b"P5 1 1 255 x")
+    ended = twonav("map", path, *SMALL, "--no-record", "--out", tmp_path / "a")
+    assert ended.code == 1
+    assert "something else" in ended.err
+    assert (tmp_path / "a" / "map.pgm").read_bytes() == b"P5 1 1 255 x"
+
+
+def test_another_log_of_the_same_name_does_not_replace_a_map(
+    twonav: Twonav, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("TWONAV_RUNS", str(tmp_path / "runs"))
+    for folder, x_m in (("a", 1.0), ("b", 2.0)):
+        (tmp_path / folder).mkdir()
+        written(tmp_path / folder / "robot.clf", [flaser(FIRST_S, ranges_at(START, 181), Pose(x_m, 2.0, 0.5))])
+    assert twonav("map", tmp_path / "a" / "robot.clf", *SMALL, "--no-record").code == 0
+    ended = twonav("map", tmp_path / "b" / "robot.clf", *SMALL, "--no-record")
+    assert ended.code == 1
+    assert "another log of that name" in ended.err
+    assert twonav("map", tmp_path / "a" / "robot.clf", *SMALL, "--no-record").code == 0
+
+
+def test_what_was_stopped_does_not_replace_the_map_of_the_whole_log(tmp_path: Path) -> None:
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / "card.json").write_text(json.dumps({"kind": "map", "log": "x", "metrics": {"outcome": "mapped"}}))
+    assert _kept_apart(tmp_path / "a", "stopped") == tmp_path / "a-stopped"
+    assert _kept_apart(tmp_path / "a", "mapped") == tmp_path / "a"
+    assert _kept_apart(tmp_path / "b", "stopped") == tmp_path / "b"

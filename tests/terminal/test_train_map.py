@@ -11,6 +11,9 @@ import numpy as np
 import pytest
 
 from twonav_cli.checkpoint import read_card
+from twonav_cli.errors import TwonavError
+from twonav_cli.files import write_whole
+from twonav_cli.mapping import known_maps, occupancy, trajectory
 from twonav_cli.mapping.occupancy import FREE, OccupancyMap, load_map, save_map
 from twonav_cli.mapping.survey import Survey
 from twonav_cli.mapping.trajectory import read_trajectory
@@ -139,7 +142,7 @@ def test_an_interrupted_survey_writes_nothing(
     monkeypatch.setattr(Survey, "run", lambda survey, should_stop: run(survey, lambda: True))
     ended = twonav(*SURVEY, "--scene", room)
     assert ended.code == 130
-    assert "nothing was written" in ended.err
+    assert "no map was written" in ended.err
     assert not (runs / "room" / "map" / "card.json").exists()
 
 
@@ -170,6 +173,28 @@ def test_a_recording_of_a_survey_can_be_read_back(twonav: Twonav, room: Path, tm
     assert f"recording: {path}" in ended.err
     report = json.loads(twonav("inspect", path, "--json").out)
     assert report["stage"] == "map"
+
+
+@pytest.mark.parametrize("last", ["track.txt", "walls.npy", "map.pgm", "map.yaml"])
+def test_a_stop_while_writing_never_leaves_a_new_file_under_an_old_card(
+    twonav: Twonav, room: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, last: str
+) -> None:
+    folder = tmp_path / "made"
+    for name in ("card.json", "track.txt", "walls.npy", "map.pgm", "map.yaml"):
+        folder.mkdir(exist_ok=True)
+        (folder / name).write_text("{}")
+
+    def stopping(path: Path, content: bytes | str) -> Path:
+        written = write_whole(path, content)
+        if path.parent == folder and path.name == last:
+            raise TwonavError("stopped here")
+        return written
+
+    for module in (occupancy, trajectory, known_maps):
+        monkeypatch.setattr(module, "write_whole", stopping)
+    assert "stopped here" in twonav(*SURVEY, "--quick", "--scene", room, "--out", folder).complaint
+    assert not (folder / "card.json").exists()
+    assert (folder / "map.yaml").exists() == (last == "map.yaml")
 
 
 # Looking at a map

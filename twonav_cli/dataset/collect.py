@@ -124,7 +124,7 @@ def _opened(plan: FramePlan, folder: Path, provenance: Provenance) -> tuple[Fram
     path = folder / META_FILE
     if path.exists() and (folder / FRAMES_FILE).exists():
         if _with_defaults(_read_json(path)) != json.loads(json.dumps(meta)):
-            raise TwonavError(f"{folder} holds frames of another scene, plan or seed: delete it or name another folder")
+            raise TwonavError(f"{folder} holds frames of another scene, map, plan or seed: delete it, or name another")
         frames = np.lib.format.open_memmap(folder / FRAMES_FILE, mode="r+")
         if frames.shape != (len(plan.poses), *IMAGE_SHAPE):
             raise TwonavError(f"{folder / FRAMES_FILE} has the wrong size: delete {folder} and collect again")

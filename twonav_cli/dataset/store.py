@@ -25,7 +25,7 @@ from twonav_cli.dataset.collect import (
     SPLITS_FILE,
     frames_done,
 )
-from twonav_cli.dataset.plan import GRID, HELD_OUT, RANDOM
+from twonav_cli.dataset.plan import GRID, HELD_OUT
 from twonav_cli.dataset.poses import TEST, TRAIN
 from twonav_cli.errors import TwonavError
 
@@ -70,10 +70,6 @@ class FrameStore:
     def paper_test(self) -> Indices:
         """Return the test frames of the paper's split: on the grid, beside training frames (§4.1)."""
         return np.flatnonzero((self.kinds == GRID) & (self.splits == TEST))
-
-    def random_training(self) -> Indices:
-        """Return the training frames at random poses."""
-        return np.flatnonzero((self.kinds == RANDOM) & self.labelled())
 
     def batch(self, indices: Indices) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
         """Return copies of the images [B, 84, 84, 3] and labels [B, 3] of some frames, in ascending order of index."""

@@ -13,10 +13,12 @@ from twonav_cli.checkpoint import read_card
 from twonav_cli.config import IMAGE_PX
 from twonav_cli.dataset.plan import HELD_OUT, PlanConfig, plan_frames
 from twonav_cli.dataset.poses import TEST
+from twonav_cli.errors import TwonavError
 from twonav_cli.geometry import Pose
 from twonav_cli.localizer.errors_report import error_metrics
 from twonav_cli.localizer.estimator import Estimator
 from twonav_cli.mapping.floor import Floor, geometry_map
+from twonav_cli.mapping.occupancy import OccupancyMap
 from twonav_cli.rng import stream
 from twonav_cli.scene.camera import Camera
 from twonav_cli.scene.world import World
@@ -42,14 +44,15 @@ def localizer_errors(
     Returns:
         "off_grid" and "paper_split", each with n, mean, median and percentiles of the errors; and, from the card, the
         same for the pose of the most alike training frame.
+
+    Raises:
+        TwonavError: No renderer, or the localizer is damaged, of another scene, or was trained on another map.
     """
     card = read_card(folder)
     estimator = Estimator.load(folder, floor.scene.digest)
     starts = list(floor.scene.starts.values())
     area = (~floor.map.free, floor.map.frame, starts)
-    # Which frames it was not trained on, only the map says on which its frames were planned.
-    same = card.get("map_digest") == floor.map.digest
-    planned = area if same else (~geometry_map(floor.scene).free, floor.map.frame, starts)
+    planned = (~_map_of_frames(floor, card.get("map_digest")).free, floor.map.frame, starts)
     held_out = plan_frames(*area, PlanConfig(degree_step=180, random_frames=1, held_out_frames=frames), seed)
     trained = plan_frames(*planned, PlanConfig(random_frames=1, held_out_frames=1), int(card["seed"]))
     on_split = np.flatnonzero((trained.kinds != HELD_OUT) & (trained.splits == TEST))
@@ -73,6 +76,23 @@ def localizer_errors(
     if nearest:
         report["off_grid_nearest_frame"] = nearest  # measured after training, where the training frames are
     return {**report, "settings": {"scene": floor.scene.name, "seed": seed, "trained_with_seed": card["seed"]}}
+
+
+def _map_of_frames(floor: Floor, map_digest: str | None) -> OccupancyMap:
+    """Return the map on which a localizer's frames were planned: only it tells which ones it was not trained on.
+
+    Raises:
+        TwonavError: It is neither the one in use nor the geometry's.
+    """
+    if map_digest == floor.map.digest:
+        return floor.map
+    geometry = geometry_map(floor.scene)
+    if map_digest not in (None, geometry.digest):
+        raise TwonavError(
+            "the localizer was trained on another map of the scene: name the folder of both with --checkpoints, "
+            "or train it again"
+        )
+    return geometry
 
 
 def _pictures(world: World, camera: Camera, poses: NDArray[np.float32]) -> NDArray[np.uint8]:

@@ -37,6 +37,7 @@ def checkpoint_folder(
     own_first: bool = False,
     scene_digest: str | None = None,
     map_digest: str | None = None,
+    map_source: str | None = None,
 ) -> Path:
     """Return the folder of a scene's checkpoint.
 
@@ -47,6 +48,7 @@ def checkpoint_folder(
         own_first: Whether a run of the user's own goes before the shipped one (training does, playing does not).
         scene_digest: The scene it should be for: one that is for another scene of that name comes last.
         map_digest: The map it should be for: one of the same scene on another map comes after one on this.
+        map_source: Where that map comes from, for the command in the message; "survey" is what training takes itself.
 
     Raises:
         TwonavError: There is none; the message says which command makes it.
@@ -58,9 +60,9 @@ def checkpoint_folder(
         # Of several that fit equally well `max` returns the first.
         return max(found, key=lambda folder: _fit_of(folder, scene_digest, map_digest))
     where = f"in {chosen}" if chosen is not None else f"for scene {scene!r}"
-    raise TwonavError(
-        f"there is no {name} checkpoint {where}: make it with `twonav train --stage {name} --scene {scene}`"
-    )
+    command = f"twonav train --stage {name} --scene {scene}"
+    command += " --map-from geometry" if map_source == "geometry" else ""
+    raise TwonavError(f"there is no {name} checkpoint {where}: make it with `{command}`")
 
 
 def _fit_of(folder: Path, scene_digest: str | None, map_digest: str | None) -> int:
@@ -92,7 +94,8 @@ def load_agent(floor: Floor, stage: str, chosen: Path | None = None, own_first: 
     from twonav_cli.learner.agent import Agent
 
     def folder_of(name: str) -> Path:
-        return checkpoint_folder(floor.scene.name, name, chosen, own_first, floor.scene.digest, floor.map.digest)
+        scene, digest = floor.scene, floor.map.digest
+        return checkpoint_folder(scene.name, name, chosen, own_first, scene.digest, digest, floor.map_source)
 
     digests, before = (floor.scene.digest, floor.map.digest), STAGE_BEFORE.get(stage)
     try:
@@ -119,7 +122,7 @@ def load_localize(floor: Floor, chosen: Path | None = None, own_first: bool = Fa
     from twonav_cli.localizer.estimator import Estimator
 
     scene, digest = floor.scene, floor.map.digest
-    folder = checkpoint_folder(scene.name, "localizer", chosen, own_first, scene.digest, digest)
+    folder = checkpoint_folder(scene.name, "localizer", chosen, own_first, scene.digest, digest, floor.map_source)
     estimator = Estimator.load(folder, floor.scene.digest)
     return lambda image: estimator.estimate(image).pose
 

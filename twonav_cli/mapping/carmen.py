@@ -15,7 +15,7 @@ import numpy as np
 
 from twonav_cli.errors import TwonavError
 from twonav_cli.geometry import FloatArray, Pose, compose, distance_m, relative_pose, wrap_angle, wrap_angles
-from twonav_cli.mapping.carmen_lines import CUT_OFF, CarmenLines, ScanLine, is_place, read_lines
+from twonav_cli.mapping.carmen_lines import BROKEN, CUT_OFF, CarmenLines, ScanLine, is_place, read_lines
 from twonav_cli.mapping.scan import RangeSensor, Reading, StampedPose
 
 SICK_LIMIT_M = 80.0
@@ -34,11 +34,18 @@ JUMP_M, JUMP_MPS, FARTHEST_M = 2.0, 5.0, 30.0
 """Odometry that goes farther than this from one scan to the next, and faster, was set anew in between; so it was,
 however long that took, where the two scans can have nothing in common."""
 
-OTHER_BEAMS, BACK_IN_TIME, NO_POSE = (
+FARTHEST_S = 3e9
+"""From the middle one of all times, about a century: a clock that begins at 1970 is as near as that, milliseconds
+among seconds are not."""
+
+OTHER_BEAMS, FAR_IN_TIME, BACK_IN_TIME, NO_POSE = (
     "scans of another number of beams",
+    "scans whose time is far from the others'",
     "scans whose time does not go on",
     "scans without a pose",
 )
+WARNED_SHARE = 0.1
+"""Losing more of the scans than this for their time is a warning."""
 
 
 @dataclass(frozen=True)
@@ -95,17 +102,21 @@ def read_carmen(path: Path, mount: Pose | None = None) -> LaserLog:
         raise TwonavError(f"{path} has no scans: {_what_it_has(lines)}; name a CARMEN log with FLASER lines")
     left_out, warnings = Counter(lines.others), [] if lines.whole else [CUT_OFF]
     odometry = _in_order(lines.odometry)
-    posed = _with_poses(lines.scans, odometry, warnings)
-    left_out[NO_POSE] = len(lines.scans) - len(posed)
-    beams = _usual_beams(lines.scans)
+    near = _near_in_time(lines.scans)
+    left_out[FAR_IN_TIME] = len(lines.scans) - len(near)
+    posed = _with_poses(near, odometry, warnings)
+    left_out[NO_POSE] = len(near) - len(posed)
+    beams = _usual_beams(near)
     kept = [line for line in posed if len(line.ranges_m) == beams]
     left_out[OTHER_BEAMS] = len(posed) - len(kept)
     timely = _without_jumps(_going_on(kept), warnings)
     left_out[BACK_IN_TIME] = len(kept) - len(timely)
     if not timely:
         raise TwonavError(f"{path} has no scan that can be used: no pose in the FLASER lines, and no ODOM lines")
+    warnings += _lost(left_out, len(lines.scans))
     ranges_m = np.stack([line.ranges_m for line in timely])
-    sensor = RangeSensor(beam_angles(beams), mount or _mount(lines.scans, warnings), nothing_from_m(ranges_m))
+    warnings += _unmeasured(ranges_m)
+    sensor = RangeSensor(beam_angles(beams), mount or _mount(near, warnings), nothing_from_m(ranges_m))
     measured_m = np.where(np.isfinite(ranges_m) & (ranges_m > 0.0), ranges_m, np.nan)
     readings = [Reading(line.stamp_s, line.pose_odom, row) for line, row in zip(timely, measured_m, strict=True)]
     return LaserLog(sensor, readings, odometry, {what: count for what, count in left_out.items() if count}, warnings)
@@ -135,6 +146,34 @@ def _what_it_has(lines: CarmenLines) -> str:
     found = [f"ODOM lines {len(lines.odometry)}"] * bool(lines.odometry)
     found += [f"{what} {count}" for what, count in lines.others.most_common(3)]
     return f"it holds {', '.join(found)}" if found else "it is empty"
+
+
+def _near_in_time(scans: list[ScanLine]) -> list[ScanLine]:
+    """Return the scans whose time is not absurdly far from that of the scan in the middle of all times."""
+    middle_s = sorted(line.stamp_s for line in scans)[len(scans) // 2]
+    return [line for line in scans if abs(line.stamp_s - middle_s) <= FARTHEST_S]
+
+
+def _lost(left_out: Counter[str], scans: int) -> list[str]:
+    """Return a sentence for every reason for which more than WARNED_SHARE of the scans are left out."""
+    sentences = {
+        FAR_IN_TIME: "their time is far from the others' (time must be in seconds)",
+        BACK_IN_TIME: "their time does not go on (if the clock was set back, cut the log there and map each part)",
+        OTHER_BEAMS: "they have another number of beams (map the log of each range finder by itself)",
+        NO_POSE: "they have no pose, and no ODOM lines give one",
+    }
+    return [
+        f"{left_out[what]} of {scans} scans are left out: {sentence}"
+        for what, sentence in sentences.items()
+        if left_out[what] > WARNED_SHARE * scans
+    ] + [f"{left_out[BROKEN]} lines are broken"] * (left_out[BROKEN] > WARNED_SHARE * scans)
+
+
+def _unmeasured(ranges_m: FloatArray) -> list[str]:
+    """Return a sentence when some of the ranges [n, B] are no distances."""
+    with np.errstate(invalid="ignore"):
+        count = int(np.count_nonzero(~np.isfinite(ranges_m) | (ranges_m < 0.0)))
+    return [f"{count} of {ranges_m.size} ranges are negative or not a number: taken as not measured"] if count else []
 
 
 def _usual_beams(scans: list[ScanLine]) -> int:

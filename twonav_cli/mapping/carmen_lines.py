@@ -149,7 +149,7 @@ def _odometry(words: list[bytes]) -> StampedPose:
 
 def is_place(pose: Pose) -> bool:
     """Whether a pose is one: finite, and not absurdly far away."""
-    return math.isfinite(pose.theta_rad) and max(abs(pose.x_m), abs(pose.y_m)) < POSE_LIMIT_M
+    return all(map(math.isfinite, pose)) and max(abs(pose.x_m), abs(pose.y_m)) < POSE_LIMIT_M
 
 
 def _pose(words: list[bytes]) -> Pose:

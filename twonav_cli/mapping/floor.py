@@ -6,6 +6,7 @@ scene's geometry once and kept in the runs folder.
 
 from __future__ import annotations
 
+import json
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +15,16 @@ from twonav_cli.errors import TwonavError, unknown_name
 from twonav_cli.geometry import FloatArray
 from twonav_cli.grid import Cell, GridFrame
 from twonav_cli.mapping.approximate import approximate_maze
-from twonav_cli.mapping.known_maps import GEOMETRY, GEOMETRY_FOLDER, SOURCES, SURVEY, find_map, make_map
+from twonav_cli.mapping.known_maps import (
+    CARD_FILE,
+    FOLDER,
+    GEOMETRY,
+    GEOMETRY_FOLDER,
+    SOURCES,
+    SURVEY,
+    find_map,
+    make_map,
+)
 from twonav_cli.mapping.occupancy import OccupancyMap
 from twonav_cli.maze import Maze
 from twonav_cli.paths import runs_dir
@@ -28,6 +38,8 @@ class Floor:
     Attributes:
         map_source: "survey" or "geometry".
         walls: [K, 2] points on the walls of a survey's map, metres, where they were kept.
+        outdated: Folder of the user's survey of another version of the scene, where the geometry's map is used for
+            want of one of this version.
     """
 
     scene: Scene
@@ -36,6 +48,7 @@ class Floor:
     maze_frame: GridFrame
     map_source: str = GEOMETRY
     walls: FloatArray | None = None
+    outdated: Path | None = None
 
     def start_cells(self) -> list[Cell]:
         """Cells of the starts, in the scene's order."""
@@ -74,7 +87,19 @@ def read_floor(
         raise TwonavError(
             f"on the map that the robot made, {error}; or survey again with another --seed, or add --map-from geometry"
         ) from error
-    return Floor(scene, occupancy, maze, frame, source, found.walls if found else None)
+    outdated = None if found or map_from is not None else _outdated_survey(scene)
+    return Floor(scene, occupancy, maze, frame, source, found.walls if found else None, outdated)
+
+
+def _outdated_survey(scene: Scene) -> Path | None:
+    """Return the folder of the user's survey if it is of another version of the scene, else None."""
+    folder = runs_dir() / scene.name / FOLDER
+    try:
+        card = json.loads((folder / CARD_FILE).read_text())
+        other = card["source"] == SURVEY and card["scene_digest"] != scene.digest
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    return folder if other else None
 
 
 def survey_command(scene_name: str) -> str:

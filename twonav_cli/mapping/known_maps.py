@@ -2,7 +2,7 @@
 
 A folder holds `map.pgm`, `map.yaml` and `card.json`; the card's "source" says which of the two it is. A card without
 one is of the geometry. Beside a survey's map lie the points on its walls, `walls.npy`, float32 [K, 2], map frame,
-metres: they are finer than its pixels.
+metres: they are finer than its pixels. `track.txt` is the way of the survey, `timestamp x y theta` a line.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import contextlib
 import datetime
 import hashlib
 import json
+from collections.abc import Iterable
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -23,6 +24,8 @@ from twonav_cli.errors import TwonavError
 from twonav_cli.files import write_whole
 from twonav_cli.geometry import FloatArray
 from twonav_cli.mapping.occupancy import OccupancyMap, load_map, save_map
+from twonav_cli.mapping.scan import StampedPose
+from twonav_cli.mapping.trajectory import write_trajectory
 from twonav_cli.paths import checkpoints_dir, runs_dir
 
 if TYPE_CHECKING:
@@ -35,6 +38,7 @@ SOURCES = (SURVEY, GEOMETRY)
 MAP_FILE = "map.yaml"
 CARD_FILE = "card.json"
 WALLS_FILE = "walls.npy"
+TRACK_FILE = "track.txt"
 FOLDER = "map"
 GEOMETRY_FOLDER = "map-geometry"
 
@@ -112,7 +116,12 @@ def make_map(scene: Scene, folder: Path) -> OccupancyMap:
 
 
 def save_known_map(
-    scene: Scene, occupancy: OccupancyMap, folder: Path, card: dict[str, Any], walls: FloatArray | None = None
+    scene: Scene,
+    occupancy: OccupancyMap,
+    folder: Path,
+    card: dict[str, Any],
+    walls: FloatArray | None = None,
+    track: Iterable[StampedPose] | None = None,
 ) -> Path:
     """Write a map of a scene with its card, the card last, and return the folder.
 
@@ -122,15 +131,17 @@ def save_known_map(
         folder: Where to.
         card: At least "source"; of a survey also "command", "seed" and "metrics".
         walls: [K, 2] points on the walls, metres.
+        track: The way of the survey.
 
     Raises:
         TwonavError: The folder cannot be written.
     """
     # Without the old card, what is written next is no map of anything until the new card is there.
-    with contextlib.suppress(OSError):
-        (folder / CARD_FILE).unlink()
-    with contextlib.suppress(OSError):
-        (folder / WALLS_FILE).unlink()
+    for name in (CARD_FILE, MAP_FILE, WALLS_FILE, TRACK_FILE):
+        with contextlib.suppress(OSError):
+            (folder / name).unlink()
+    if track is not None:
+        write_trajectory(folder / TRACK_FILE, track)
     if walls is not None:
         content = BytesIO()
         np.save(content, walls.astype(np.float32), allow_pickle=False)

@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from twonav_cli.config import MappingConfig
+from twonav_cli.errors import TwonavError
 from twonav_cli.events import Clock, KeyframeMapped, MapDrawn, Sink, to_nobody
 from twonav_cli.geometry import FloatArray, Pose, compose, relative_pose
 from twonav_cli.grid import GridFrame
@@ -72,7 +73,12 @@ class GridMapper:
         Args:
             reading: Scan and odometry.
             pose_true: The simulator's pose, only passed on to whoever listens.
+
+        Raises:
+            TwonavError: Its odometry is not a number, or goes so far that no map would hold it.
         """
+        if not np.isfinite(reading.pose_odom).all():
+            raise TwonavError(f"the odometry at {reading.stamp_s:.3f} s is not a number: leave that scan out")
         ends_m = points_of(self.sensor, reading.ranges_m, ORIGIN, self._limit_m)
         if self._first is None:
             self._first, self._odom = reading, reading.pose_odom

@@ -89,7 +89,7 @@ def load_map(yaml_path: Path) -> OccupancyMap:
     """Read a map that `save_map` or ROS wrote.
 
     Raises:
-        TwonavError: A file is missing or not what it should be, or no pixel is free.
+        TwonavError: A file is missing or not what it should be, its thresholds overlap, or no pixel is free.
     """
     settings = _read_settings(yaml_path)
     resolution_m = _number(yaml_path, settings, "resolution", None)
@@ -99,8 +99,12 @@ def load_map(yaml_path: Path) -> OccupancyMap:
         raise TwonavError(f"{yaml_path} has a resolution of {resolution_m} m: give metres per pixel, such as 0.05")
     frame = GridFrame(origin[0], origin[1], resolution_m, *grey.shape)
     dark = grey / 255.0 if _number(yaml_path, settings, "negate", 0.0) else (255.0 - grey) / 255.0
-    occupied = dark > _number(yaml_path, settings, "occupied_thresh", OCCUPIED_THRESHOLD)
-    free = dark < _number(yaml_path, settings, "free_thresh", FREE_THRESHOLD)
+    occupied_from = _number(yaml_path, settings, "occupied_thresh", OCCUPIED_THRESHOLD)
+    free_below = _number(yaml_path, settings, "free_thresh", FREE_THRESHOLD)
+    if occupied_from < free_below:
+        below = f"occupied_thresh ({occupied_from:g}) is below free_thresh ({free_below:g})"
+        raise TwonavError(f"{yaml_path}: {below}, so pixels would be both: set it above")
+    occupied, free = dark > occupied_from, dark < free_below
     if not free.any():
         raise TwonavError(f"{yaml_path} has no free pixel: check negate and free_thresh, or make the map again")
     pixels = np.full(grey.shape, UNKNOWN, dtype=np.uint8)

@@ -75,7 +75,13 @@ def usable(ranges_m: FloatArray, limit_m: float) -> np.ndarray[tuple[int], np.dt
 
 
 def clear_points(sensor: RangeSensor, ranges_m: FloatArray, limit_m: float) -> FloatArray:
-    """Return how far the beams that hit nothing are free [N, 2], in the sensor's own frame, metres."""
+    """Return how far the other beams are free [N, 2], in the sensor's own frame, metres.
+
+    A beam that hit something beyond the limit is free up to it, one that hit nothing up to the sensor's `clear_m`.
+    """
     with np.errstate(invalid="ignore"):
-        angles_rad = sensor.angles_rad[ranges_m >= sensor.max_m] if sensor.clear_m > 0.0 else np.zeros(0)
-    return min(sensor.clear_m, limit_m) * np.stack([np.cos(angles_rad), np.sin(angles_rad)], axis=1)
+        beyond, nothing = (ranges_m >= limit_m) & (ranges_m < sensor.max_m), ranges_m >= sensor.max_m
+    free_m = np.where(beyond, limit_m, np.where(nothing, min(sensor.clear_m, limit_m), 0.0))
+    some = free_m > 0.0
+    angles_rad = sensor.angles_rad[some]
+    return np.asarray(free_m[some, None] * np.stack([np.cos(angles_rad), np.sin(angles_rad)], axis=1))

@@ -1,7 +1,7 @@
 """The robot surveys a scene by itself: it drives to where the known floor ends until nothing is left (Yamauchi 1997).
 
-It knows where it starts, the area of interest and what its sensors say, and nothing of the scene's geometry. Then it
-goes to what it has seen badly, and back to where it began.
+It knows where it starts, the area of interest and what its sensors say (range finder, odometry, bumper, and how fast it
+drives), and nothing of the scene's geometry. Then it goes to what it has seen badly, and back to where it began.
 """
 
 from __future__ import annotations
@@ -135,18 +135,20 @@ class Survey:
         config = self.config
         self._should_stop = should_stop or self._should_stop
         self._drive.hear()
+        self._say("exploring: going to where the known floor ends")
         self._look_round()
         at_once = partial(clusters, least=config.least_frontier)
         self._see_all(_Wish(self._frontiers, at_once, config.view_m, 0.0))
         if config.sides and not self._over():
-            self._say("every reachable frontier was looked at; going to what was seen badly")
+            self._say("looking again: every reachable frontier was looked at; going to what was seen badly")
             self._tried[:] = 0
             edge = round(TILE_M / self._frame.resolution_m)
             at_once = partial(tiles, edge=edge, least=config.least_badly_seen)
             self._see_all(_Wish(self._badly_seen, at_once, config.near_m, 0.5 * config.near_m))
+        if not self._over():
+            self._say("going back to the start")
         self._return()
         map_, path, truth, outcome = self._map(), self._mapper.trajectory(), self._drive.truth, self._outcome()
-        self._say(f"the survey is over: {outcome}")
         self._sink(MapDrawn(self._clock(), map_.pixels, map_.frame, np.array([stamped.pose for stamped in path])))
         return Surveyed(
             map_, self._mapper.walls(), path, truth, outcome, self._time_s(), _length_m(truth), self._body.collisions

@@ -322,6 +322,7 @@ COLUMNS: dict[str, Callable[[Sequence[Any]], Filled]] = {
     "choices": rows("choices"),
     "learned": rows("learned"),
     "added": rows("added"),
+    "warnings": rows("warnings"),
     "table": table_columns,
     "step/q": scalars("metrics/q_values"),
     "step/td_error": _goal_curves("metrics/td_error"),

@@ -39,22 +39,26 @@ def mapping_blueprint(frame: GridFrame, *, truth: bool) -> rrb.Blueprint:
         visual_bounds=rrb.VisualBounds2D(x_range=[-NEAR_M, NEAR_M], y_range=[-NEAR_M, NEAR_M]),
         background=BEYOND,
     )
-    beside = rrb.Vertical(near, _filter_plot(), _metres(truth), _log(), row_shares=[7, 3, 3, 4])
+    beside = rrb.Vertical(near, _filter_plot(legend=False), _metres(truth), _log(), row_shares=[7, 3, 3, 4])
     main = rrb.Horizontal(map_, beside, column_shares=[5, 3], name="Map")
     time = rrb.TimePanel(timeline="keyframe", state="collapsed", play_state="following", fps=KEYFRAMES_PER_S)
     tabs = rrb.Tabs(main, _curves(truth), views.about_tab(), active_tab=0, name="twonav")
     return rrb.Blueprint(tabs, *views.panels(time))
 
 
-def _filter_plot() -> rrb.TimeSeriesView:
-    return views.plot("/filter", "Particles: effective number, drawn again (diamond), without a match")
+def _filter_plot(*, legend: bool) -> rrb.TimeSeriesView:
+    title = "Particles: effective number, drawn again (diamond), without a match"
+    return views.plot("/filter", title, legend=legend)
 
 
 def _metres(truth: bool) -> rrb.TimeSeriesView:
-    """Return the three lengths that tell how sure the mapper is, and whether it is right to be."""
+    """Return the three lengths that tell how sure the mapper is, and whether it is right to be.
+
+    Beside the map plots are so low that a legend would hide their first keyframes: the title names the curves.
+    """
     curves = ["/curves/correction_m", "/curves/spread_m", *(["/curves/error_m"] if truth else [])]
     title = "Correction of odometry's guess, spread of the particles" + (", error" if truth else "")
-    return views.plot("/curves", f"{title} [m]", contents=curves)
+    return views.plot("/curves", f"{title} [m]", contents=curves, legend=False)
 
 
 def _log() -> rrb.TextLogView:
@@ -76,4 +80,4 @@ def _curves(truth: bool) -> rrb.Vertical:
         rrb.Horizontal(*(views.plot(f"/curves/{name}_{unit}", f"{title} [{unit}]") for unit in ("m", "deg")))
         for name, title in pairs
     ]
-    return rrb.Vertical(_filter_plot(), *rows, name="Curves")
+    return rrb.Vertical(_filter_plot(legend=True), *rows, name="Curves")

@@ -27,6 +27,8 @@ KEYFRAMES_PER_SHIPMENT = 20
 """Keyframes after which rows are written, so that a killed run loses little."""
 JUMP_M, JUMP_DEG = 0.5, 30.0
 """A correction of odometry by more than this is told as a jump."""
+CORRECTED_M, CORRECTED_DEG = 0.3, 15.0
+"""One by more than this is told, for it shows at a glance on the map: most are a tenth of it (ours)."""
 REDRAWN_M = 0.2
 """A way that moved by more than this between two drawings is told: a loop was closed, or another particle leads."""
 LOST_M = 0.5
@@ -141,6 +143,9 @@ class MappingRows:
         if figures.correction_m > JUMP_M or figures.correction_deg > JUMP_DEG:
             jump = f"{figures.correction_m:.2f} m, {figures.correction_deg:.0f} deg"
             self._trouble("WARN", f"the pose jumped {jump} away from odometry's guess", f"jump {jump}", event)
+        elif figures.correction_m > CORRECTED_M or figures.correction_deg > CORRECTED_DEG:
+            by = f"{figures.correction_m:.2f} m, {figures.correction_deg:.0f} deg"
+            self._log("INFO", f"odometry's guess was corrected by {by}", event)
         if figures.resampled:
             level = "WARN" if figures.effective < FEW_EFFECTIVE * count else "DEBUG"
             self._log(level, f"particles drawn again: {figures.effective:.1f} of {count} were effective", event)

@@ -88,6 +88,8 @@ class Summary:
     """Whether the writer closed the file; a killed one did not."""
     mapping: MappingSummary | None = None
     """How the mapping went, in a recording of the mapper."""
+    warnings: tuple[str, ...] = ()
+    """What the run warned of, such as a log whose odometry jumps."""
 
     @property
     def failures(self) -> tuple[TrialRow, ...]:
@@ -134,6 +136,7 @@ def summarize(path: Path) -> Summary:
         ending=endings[-1] if endings else "",
         whole=whole,
         mapping=mapping_summary(list(_rows(chunks.get("/keyframes", []))), list(_rows(chunks.get("/drawings", [])))),
+        warnings=tuple(row["text"] for row in _rows(chunks.get("/warnings", []))),
     )
 
 
@@ -161,7 +164,8 @@ def _chunks(path: Path) -> tuple[dict[str, list[Any]], bool]:
 
 
 _READ = {
-    "/trials", "/totals", "/choices", "/learned", "/added", "/ending", "/keyframes", "/drawings", "/__properties/run",
+    "/trials", "/totals", "/choices", "/learned", "/added", "/ending", "/keyframes", "/drawings", "/warnings",
+    "/__properties/run",
 }  # fmt: skip
 
 

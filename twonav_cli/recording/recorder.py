@@ -243,6 +243,9 @@ class Recorder:
 
     def _note(self, event: events.Note) -> None:
         self._file.put("log", (event.level, event.text), event.clock, Detail.TRIAL)
+        if event.level == "WARN":
+            # Also as a row that can be read back: the log holds much else.
+            self._file.put("warnings", {"text": event.text}, event.clock, Detail.TRIAL)
 
     def _run_ended(self, event: events.RunEnded) -> None:
         self._file.put("log", ("INFO", f"run ended: {event.outcome}"), event.clock, Detail.TRIAL)

@@ -41,6 +41,7 @@ def plot(
     top: float | None = None,
     contents: list[str] | None = None,
     corner: rrb.Corner2D = rrb.Corner2D.LeftTop,
+    legend: bool = True,
 ) -> rrb.TimeSeriesView:
     """Return a plot of the scalars below an entity.
 
@@ -51,12 +52,13 @@ def plot(
         top: Upper end of the vertical axis, which then begins at 0.
         contents: Entities to show; everything below the origin when None.
         corner: Of the legend.
+        legend: False where the plot is too small for one.
     """
     return rrb.TimeSeriesView(
         origin=origin,
         contents=contents or "$origin/**",
         name=name,
-        plot_legend=rrb.PlotLegend(corner=corner),
+        plot_legend=rrb.PlotLegend(corner=corner, visible=legend),
         axis_x=WHOLE_RUN if whole else None,
         time_ranges=None if whole else NEAR_CURSOR,
         axis_y=rrb.ScalarAxis(range=(0.0, top)) if top is not None else None,

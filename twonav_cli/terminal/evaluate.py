@@ -105,7 +105,9 @@ def _localizer_report(request: EvaluateRequest, floor: Floor) -> dict[str, Any]:
     from twonav_cli.experiments.predecessors import checkpoint_folder
 
     scene, digest = floor.scene, floor.map.digest
-    folder = checkpoint_folder(scene.name, "localizer", request.checkpoints, False, scene.digest, digest)
+    folder = checkpoint_folder(
+        scene.name, "localizer", request.checkpoints, False, scene.digest, digest, floor.map_source
+    )
     with progress() as bar:
         task = bar.add_task("frames", total=None, result="")
         return localizer_errors(

@@ -36,6 +36,8 @@ def _print_summary(summary: Summary, file: Path) -> None:
     console.print(f"{summary.command} of {what}, seed {summary.seed}{ending}")
     if not summary.whole:
         console.print("the writer was interrupted: what follows is what it had written")
+    for warning in summary.warnings:
+        console.print(f"warnings: {warning}", soft_wrap=True, markup=False)
     for added in summary.added:
         where = f"goal {added.goal} was added in cell ({added.row}, {added.col}) at trial {added.at_trial}"
         console.print(where, soft_wrap=True)
@@ -86,8 +88,13 @@ def mapping_lines(mapping: MappingSummary | None) -> list[str]:
             f"distance from the truth: at most {m.error_m.value:.2f} m, at keyframe {m.error_m.keyframe}; "
             f"at the end {m.last_error_m:.2f} m"
         )
-    worst = (m.lost or m.unmatched or (m.jump_m.keyframe,))[-1]
-    return [*lines, f"  look at it: timeline keyframe, #{worst}"]
+    failed = (m.lost or m.unmatched)[-1:]
+    moments = [
+        *(f"#{keyframe} (scan matching failed)" for keyframe in failed),
+        f"#{m.jump_m.keyframe} (the largest jump in metres)",
+        f"#{m.jump_deg.keyframe} (the largest in degrees)",
+    ]
+    return [*lines, f"  look at it: timeline keyframe, {', '.join(moments)}"]
 
 
 def _unmatched(mapping: MappingSummary) -> str:

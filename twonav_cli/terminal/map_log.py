@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import datetime
 import json
 import shlex
@@ -93,7 +94,7 @@ def run_map(request: MapRequest) -> int:
     forward_m = checked_forward(request.laser_forward_m)
     log = read_carmen(request.log, None if forward_m is None else Pose(forward_m, 0.0, 0.0))
     _check_range(request, config, log)
-    folder = _checked_folder(request.folder)
+    folder = _checked_folder(request)
     path = (request.record or default_recording("map", request.name, "log")) if request.recording else None
     tally = Tally()
     begun = RunStarted(Clock(), "map", "map", request.name, request.seed, _settings(config, log))
@@ -106,7 +107,7 @@ def run_map(request: MapRequest) -> int:
         outcome = WHOLE if scans == len(log.readings) else STOPPED
         recorder(RunEnded(tally.last, outcome))
         report = _report(log, tally, scans) | {"outcome": outcome}
-        files = _save(request, mapper, folder, report)
+        files = _save(request, mapper, _kept_apart(folder, outcome), report)
     report |= {"seconds": round(time.monotonic() - begun_s, 1)}
     report |= {"files": [str(file) for file in files], "recording": None if path is None else str(path)}
     _print(request, report)
@@ -114,26 +115,44 @@ def run_map(request: MapRequest) -> int:
 
 
 def _check_range(request: MapRequest, config: MappingConfig, log: LaserLog) -> None:
-    """Refuse a log in which no beam hits anything."""
-    limit_m = min(config.max_range_m, log.sensor.max_m)
-    if not any(usable(reading.ranges_m, limit_m).any() for reading in log.readings):
-        nothing = f"no beam of {request.log} hits anything within {limit_m:g} m"
-        raise TwonavError(f"{nothing}: name another log, or a larger --max-range")
+    """Refuse a log in which no beam hits anything, for the laser's own limit or for the one that was chosen."""
+    own_m, chosen_m = log.sensor.max_m, config.max_range_m
+    nothing = f"no beam of {request.log} hits anything"
+    if not any(usable(reading.ranges_m, own_m).any() for reading in log.readings):
+        where = f"nearer than {own_m:g} m, where the laser ends"
+        raise TwonavError(f"{nothing} {where}: name another log, with ranges in metres")
+    if not any(usable(reading.ranges_m, min(own_m, chosen_m)).any() for reading in log.readings):
+        raise TwonavError(f"{nothing} within {chosen_m:g} m: name another log, or a larger --max-range")
 
 
-def _checked_folder(folder: Path) -> Path:
-    """Return the folder once it is sure that it can be written, and holds no other result than a log's map.
+def _checked_folder(request: MapRequest) -> Path:
+    """Return the folder once it is sure that it can be written, and holds no other result than this log's map.
 
     Raises:
         TwonavError: It cannot, or it does.
     """
+    folder, card = request.folder, _card_in(request.folder)
+    foreign = (folder / MAP_FILE).exists() or (folder / MAP_FILE).with_suffix(".pgm").exists()
+    if (card and (card.get("kind") != KIND or "log" not in card)) or (foreign and not card):
+        raise TwonavError(f"{folder} holds something else than the map of a log: name another --out")
+    if request.out is None and card and card.get("log_digest") != digest_of_files([request.log]):
+        raise TwonavError(f"{folder} holds the map of another log of that name: name another --out")
+    return writable(folder)
+
+
+def _card_in(folder: Path) -> dict[str, Any]:
+    """Return the card of a folder, empty where there is none that can be read."""
     try:
         card = json.loads((folder / CARD_FILE).read_text(encoding="utf-8"))
     except (OSError, ValueError):
-        card = {}
-    if isinstance(card, dict) and card and (card.get("kind") != KIND or "log" not in card):
-        raise TwonavError(f"{folder} holds something else than the map of a log: name another --out")
-    return writable(folder)
+        return {}
+    return card if isinstance(card, dict) else {}
+
+
+def _kept_apart(folder: Path, outcome: str) -> Path:
+    """Return where to save: beside a map of the whole log what was stopped does not replace it."""
+    whole = _card_in(folder).get("metrics", {}).get("outcome") == WHOLE
+    return folder.with_name(f"{folder.name}-{STOPPED}") if outcome == STOPPED and whole else folder
 
 
 def _settings(config: MappingConfig, log: LaserLog) -> dict[str, str]:
@@ -167,8 +186,11 @@ def _mapped(mapper: GridMapper, log: LaserLog, should_stop: Callable[[], bool]) 
 def _report(log: LaserLog, tally: Tally, scans: int) -> dict[str, Any]:
     """Return the figures of the run for its card and for scripts."""
     mapped, warnings = log.first(scans), list(log.warnings)
-    if tally.keyframes == 1 and scans > 1:
-        warnings.append("the robot never moved: the map is that of the first scan")
+    if tally.keyframes == 1:
+        why = "there is one scan only" if scans == 1 else "the robot never moved"
+        warnings.append(f"{why}: the map is that of the first scan")
+    if tally.unmatched:
+        warnings.append(f"no particle's scan fitted at {tally.unmatched} keyframes: odometry was kept there")
     return {
         "scans": scans,
         "scans_of_log": len(log.readings),
@@ -184,9 +206,13 @@ def _report(log: LaserLog, tally: Tally, scans: int) -> dict[str, Any]:
 
 
 def _save(request: MapRequest, mapper: GridMapper, folder: Path, report: dict[str, Any]) -> list[Path]:
-    """Write map, trajectory and card, and add the map's size to the report."""
+    """Write map, trajectory and card, the card last, and add the map's size to the report."""
     occupancy = mapper.occupancy()
     report["map"] = _size(occupancy)
+    # Without these, what is written next is no map of anything until the new ones are there.
+    for name in (CARD_FILE, MAP_FILE):
+        with contextlib.suppress(OSError):
+            (folder / name).unlink()
     map_path = save_map(occupancy, folder / MAP_FILE)
     trajectory_path = write_trajectory(folder / TRAJECTORY_FILE, mapper.trajectory())
     card = {
@@ -245,4 +271,7 @@ def report_lines(report: dict[str, Any]) -> list[str]:
         f"seconds: {report['seconds']}",
         *(f"wrote {file}" for file in report["files"]),
     ]
-    return [*lines, f"recording: {report['recording']}"] if report["recording"] else lines
+    seen = (
+        [f"recording: {report['recording']}", f"look at it: rerun {report['recording']}"] if report["recording"] else []
+    )
+    return [*lines, *seen, f"show it here: twonav scenes show {report['files'][0]} --map"]

@@ -28,7 +28,11 @@ def notice_of(floor: Floor, scene_name: str, map_from: str | None) -> str | None
 
     if map_from is not None or floor.map_source != GEOMETRY:
         return None
-    return f"the map is that of the scene's geometry; the robot makes its own with `{survey_command(scene_name)}`"
+    used, command = "the map is that of the scene's geometry", survey_command(scene_name)
+    if floor.outdated is not None:
+        other = f"the survey in {floor.outdated} is of another version of the scene"
+        return f"{used}: {other}, survey again with `{command}`"
+    return f"{used}; the robot makes its own with `{command}`"
 
 
 def tell_source(floor: Floor, scene_name: str, map_from: str | None) -> None:

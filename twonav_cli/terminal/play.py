@@ -126,9 +126,8 @@ def _make_stage(request: PlayRequest, floor: Floor, start: Cell, sink: Sink) -> 
     from twonav_cli.experiments.predecessors import checkpoint_folder, load_localize, make_stage
 
     if request.stage == "3d" and request.localizer == "raw":
-        checkpoint_folder(
-            floor.scene.name, "localizer", request.checkpoints
-        )  # known to be there before anything is built
+        # Known to be there before anything is built.
+        checkpoint_folder(floor.scene.name, "localizer", request.checkpoints, map_source=floor.map_source)
     stage = make_stage(floor, request.stage, None, request.seed, _options(request))
     if isinstance(stage, MazeStage):
         return stage

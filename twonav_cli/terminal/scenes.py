@@ -47,6 +47,8 @@ def run_show(name: str, as_map: bool = False, map_from: str | None = None) -> in
     Raises:
         TwonavError: There is no such scene or map, or no maze can be made from it.
     """
+    if Path(name).suffix.lower() == ".pgm":
+        raise TwonavError(f"{name} is a map's picture: name the map's .yaml file, it says how large a pixel is")
     if Path(name).suffix.lower() in MAP_SUFFIXES:
         if map_from is not None:
             raise TwonavError("--map-from is for scenes: leave it out, the file says which map is meant")
@@ -56,7 +58,7 @@ def run_show(name: str, as_map: bool = False, map_from: str | None = None) -> in
     from twonav_cli.mapping.floor import read_floor
     from twonav_cli.terminal.screen.plan_drawing import draw_scene
 
-    floor = read_floor(name, map_from)
+    floor = read_floor(name, map_from, own_first=True)
     if as_map:
         _print_map(floor.map, floor.maze, floor.maze_frame)
         out().print(f"made by: {WHO[floor.map_source]}")

@@ -27,6 +27,9 @@ DRIVEN = ("map", "3d")
 """Stages in which a robot with a base drives."""
 USUAL_SCENE, USUAL_BASE = "apartment", "omni"
 
+LOG_TRAJECTORY = "trajectory.txt"
+"""What the map of a log has beside it, and a survey has not."""
+
 ALREADY_LEARNED = "already-learned"
 """The outcome of going on with a run that has nothing left to do."""
 
@@ -110,7 +113,8 @@ def run_train(request: TrainRequest) -> int:
         TwonavError: What is asked for cannot be, or something that it needs is missing or damaged.
     """
     request.check()
-    with StopOnInterrupt() as stop:
+    saying = "stopping: a survey is kept only when it is over" if request.stage == "map" else "stopping: saving first"
+    with StopOnInterrupt(saying) as stop:
         folder, outcome, metrics = _trained(request, stop)
     _report(request, folder, outcome, metrics)
     return {"learned": 0, "surveyed": 0, ALREADY_LEARNED: 0, "quick": 0, "stopped": 130}.get(outcome, 1)
@@ -171,9 +175,16 @@ def _checked_folder(request: TrainRequest, folder: Path) -> Path:
     """
     if request.resume:
         return writable(folder) if folder.is_dir() else folder
+    if request.stage == "map" and ((folder / LOG_TRAJECTORY).exists() or _foreign_map(folder)):
+        raise TwonavError(f"{folder} holds a map that is no survey: name another --out")
     if request.out is None and not request.quick and (folder / CARD_FILE).is_file():
         _keep_unfinished(request, folder)
     return writable(folder)
+
+
+def _foreign_map(folder: Path) -> bool:
+    """Return whether a folder holds a map without a card of ours."""
+    return (folder / "map.yaml").exists() and not (folder / CARD_FILE).exists()
 
 
 def _keep_unfinished(request: TrainRequest, folder: Path) -> None:
@@ -195,12 +206,18 @@ def _report(request: TrainRequest, folder: Path, outcome: str, metrics: dict[str
     if request.as_json:
         place = request.scene_name if request.random_maze is None else f"random-{request.random_maze}"
         told = "learned" if outcome == ALREADY_LEARNED else outcome
-        print(json.dumps({"stage": request.stage, "scene": place, "outcome": told, **metrics}))
+        kept = {"folder": str(folder)} if request.stage == "map" else {}
+        print(json.dumps({"stage": request.stage, "scene": place, "outcome": told, **metrics, **kept}))
+    elif request.stage == "map" and metrics:
+        from twonav_cli.terminal.survey_report import survey_sentences
+
+        for sentence in survey_sentences(metrics, shlex.quote(request.scene_name)):
+            print(sentence, file=sys.stderr)
     else:
         for name, value in metrics.items():
             print(f"{name}: {value}", file=sys.stderr)
     if outcome == "stopped" and request.stage == "map":
-        print("stopped: a survey is kept only when it is over; nothing was written", file=sys.stderr)
+        print(f"stopped: no map was written to {folder}", file=sys.stderr)
     elif outcome == "timed-out":
         print(f"out of time before everything was seen; what was seen is in {folder}", file=sys.stderr)
     elif outcome == "stopped":

@@ -62,7 +62,7 @@ def _agent(request: TrainRequest, floor: Floor, folder: Path) -> Agent:
     if request.resume:
         check_same_run(request, folder)
         return Agent.load(folder, scene.digest, digest)
-    before = checkpoint_folder(scene.name, "maze", None, True, scene.digest, digest)
+    before = checkpoint_folder(scene.name, "maze", None, True, scene.digest, digest, floor.map_source)
     return Agent.load(before, scene.digest, digest, learning_preset("3d"))
 
 

@@ -8,7 +8,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from twonav_cli.events import Clock, Event, KeyframeMapped, MapDrawn, RunEnded, RunStarted, to_all
+from twonav_cli.events import Clock, Event, KeyframeMapped, MapDrawn, Note, RunEnded, RunStarted, to_all
 from twonav_cli.experiments.map_errors import (
     connected_floor,
     map_agreement,
@@ -22,7 +22,6 @@ from twonav_cli.mapping.known_maps import SURVEY, save_known_map
 from twonav_cli.mapping.occupancy import FREE, OccupancyMap
 from twonav_cli.mapping.survey import STOPPED, TIMED_OUT, Survey, Surveyed
 from twonav_cli.mapping.survey_config import QUICK, SURVEY_MAPPING, SurveyConfig
-from twonav_cli.mapping.trajectory import write_trajectory
 from twonav_cli.scene.catalog import Scene
 from twonav_cli.terminal.console import progress
 from twonav_cli.terminal.recordings import default_recording, recording
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
     from rich.progress import Progress
 
 SURVEYED = "surveyed"
-TRACK_FILE = "track.txt"
 QUICK_PARTICLES = 10
 LINE_EVERY_KEYFRAMES = 100
 """How often progress is printed where no bar can be drawn."""
@@ -74,11 +72,10 @@ def train_map(
     if found.outcome == STOPPED:
         return STOPPED, {}
     metrics = metrics_of(found, geometry, start)
-    write_trajectory(folder / TRACK_FILE, found.trajectory)
     card = {
         "source": SURVEY, "command": request.command(), "seed": request.seed, "metrics": metrics, "settings": settings,
     }  # fmt: skip
-    save_known_map(scene, found.map, folder, card, found.walls)
+    save_known_map(scene, found.map, folder, card, found.walls, found.trajectory)
     return "quick" if request.quick else TIMED_OUT if found.outcome == TIMED_OUT else SURVEYED, metrics
 
 
@@ -104,14 +101,16 @@ class _ProgressSink:
     def __init__(self, bar: Progress) -> None:
         self._bar = bar
         self._task = bar.add_task("survey", total=None, result="")
-        self._floor_m2 = 0.0
+        self._floor_m2, self._phase = 0.0, ""
 
     def __call__(self, event: Event) -> None:
         if isinstance(event, MapDrawn):
             self._floor_m2 = float((event.pixels == FREE).sum()) * event.frame.resolution_m**2
+        elif isinstance(event, Note):
+            self._phase = f", {event.text.split(':')[0]}"
         elif isinstance(event, KeyframeMapped):
             count = event.clock.step
-            said = f"{self._floor_m2:.0f} m2 of floor, {event.clock.time_s:.0f} s simulated"
+            said = f"{self._floor_m2:.0f} m2 of floor, {event.clock.time_s:.0f} s simulated{self._phase}"
             self._bar.update(self._task, completed=count, result=said)
             if not self._bar.console.is_terminal and count % LINE_EVERY_KEYFRAMES == 0:
                 self._bar.console.print(f"keyframe {count}: {said}", soft_wrap=True)

@@ -80,3 +80,14 @@ def test_below_the_drawing_stands_what_it_means_and_how_large_it_is(coloured: bo
     assert "unknown" in said
     assert "map: 24 x 16 pixels of 0.05 m, 1.2 x 0.8 m" in said
     assert "maze: 3 x 2 cells of 0.4 m, 4 free" in said
+
+
+@pytest.mark.parametrize("coloured", [True, False])
+@pytest.mark.parametrize("cols", [60, 200])
+def test_the_legend_is_as_wide_as_the_terminal_at_most(coloured: bool, cols: int) -> None:
+    map_ = small_map()
+    lines = map_text(map_, *largest_maze(map_), cols, coloured).plain.splitlines()
+    assert max(map(len, lines)) <= cols
+    legend = lines[lines.index("") + 1 : -2]
+    assert len(legend) == (1 if cols == 200 else 2)
+    assert [word in " ".join(legend) for word in ("occupied", "free", "unknown", "blocked")] == [True] * 4

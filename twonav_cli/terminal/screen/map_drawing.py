@@ -89,21 +89,42 @@ def shrunk(
 
 def map_text(map_: OccupancyMap, maze: Maze, maze_frame: GridFrame, cols: int, coloured: bool) -> Text:
     """Return the drawing and below it what its places mean, and how large map and maze are."""
-    from rich.text import Text
-
     text = draw_map(map_, maze, maze_frame, cols, coloured).text()
     text.append("\n\n")
     frame = map_.frame
-    if coloured:
-        marks = (("occupied", palette.WALL), ("free", FREE_COLOUR), ("unknown", UNKNOWN_COLOUR), ("blocked", BLOCKED))
-        for word, colour in marks:
-            text.append_text(Text.assemble(("  ", f"on {palette.hexadecimal(colour)}"), f" {word}   "))
-        text.append("(in the maze)\n")
-    else:
-        text.append("# occupied   . free   blank unknown   x free, - unknown in a blocked cell of the maze\n")
+    text.append_text(_wrapped(_legend(coloured), cols))
     text.append(
         f"map: {frame.cols} x {frame.rows} pixels of {frame.resolution_m:g} m, "
         f"{frame.cols * frame.resolution_m:.1f} x {frame.rows * frame.resolution_m:.1f} m\n"
         f"maze: {maze.cols} x {maze.rows} cells of {maze_frame.resolution_m:g} m, {int((~maze.blocked).sum())} free"
     )
     return text
+
+
+def _legend(coloured: bool) -> list[Text]:
+    """Return what the places of a drawing mean, one text each."""
+    from rich.text import Text
+
+    if not coloured:
+        said = ("# occupied", ". free", "blank unknown", "x free, - unknown in a blocked cell of the maze")
+        return [Text(meaning) for meaning in said]
+    marks = (
+        ("occupied", palette.WALL),
+        ("free", FREE_COLOUR),
+        ("unknown", UNKNOWN_COLOUR),
+        ("blocked (in the maze)", BLOCKED),
+    )
+    return [Text.assemble(("  ", f"on {palette.hexadecimal(colour)}"), f" {word}") for word, colour in marks]
+
+
+def _wrapped(parts: list[Text], cols: int) -> Text:
+    """Return texts beside each other, as many per line as fit in `cols` characters, each line ended."""
+    from rich.text import Text
+
+    gap, lines = "   ", [parts[0].copy()]
+    for part in parts[1:]:
+        if len(lines[-1]) + len(gap) + len(part) <= cols:
+            lines[-1].append(gap).append_text(part)
+        else:
+            lines.append(part.copy())
+    return Text("\n").join([*lines, Text("")])
