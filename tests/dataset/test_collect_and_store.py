@@ -74,7 +74,7 @@ def test_a_finished_collection_renders_nothing_again(tmp_path: Path) -> None:
 
 def test_frames_of_another_plan_are_not_mixed(tmp_path: Path) -> None:
     collect(_picture, _plan(), tmp_path, KITCHEN)
-    with pytest.raises(TwonavError, match="another scene, plan or seed"):
+    with pytest.raises(TwonavError, match="another scene, map, plan or seed"):
         collect(_picture, _plan(11), tmp_path, KITCHEN)
 
 

@@ -72,7 +72,7 @@ def test_frames_from_before_there_were_labels_are_read_and_gone_on_with(tmp_path
     path.write_text(json.dumps(meta))
     assert np.array_equal(open_store(tmp_path).labels, open_store(tmp_path).poses)
     assert collect(picture, plan(), tmp_path, SIMULATED) == tmp_path
-    with pytest.raises(TwonavError, match="another scene, plan or seed"):
+    with pytest.raises(TwonavError, match="another scene, map, plan or seed"):
         collect(picture, plan(), tmp_path, OF_MAPPER, label=moved)
 
 
