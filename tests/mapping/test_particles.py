@@ -6,6 +6,7 @@ from furnished_room import CONFIG, SENSOR, ranges_at
 from whole_map import WholeMap
 
 from twonav_cli.config import MappingConfig
+from twonav_cli.errors import TwonavError
 from twonav_cli.geometry import FloatArray, Pose, relative_pose
 from twonav_cli.mapping.carve import carve_scan
 from twonav_cli.mapping.cell_units import CellUnits, composed
@@ -151,3 +152,8 @@ def test_few_is_asked_by_the_share_of_particles() -> None:
         moved(particles)
         assert particles.effective == pytest.approx(CONFIG.particles)
         assert particles.few is few
+
+
+def test_an_unknown_proposal_is_answered_with_the_right_ones() -> None:
+    with pytest.raises(TwonavError, match="unknown proposal 'maximun'; did you mean 'maximum'"):
+        Particles(MappingConfig(proposal="maximun"), np.zeros(3), np.random.default_rng(0))

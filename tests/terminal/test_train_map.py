@@ -227,3 +227,17 @@ def test_a_map_that_cannot_be_drawn_is_one_line(twonav: Twonav, tmp_path: Path) 
     picture = path.with_suffix(".pgm")
     picture.write_bytes(picture.read_bytes().replace(b"\xfe", b"\x00"))
     assert "has no free pixel" in twonav("scenes", "show", path).complaint
+
+
+@pytest.mark.parametrize("card", [None, {"kind": "map", "log": "robot.clf"}])
+def test_a_map_that_is_no_scenes_is_not_written_over(
+    twonav: Twonav, tmp_path: Path, card: dict[str, str] | None
+) -> None:
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "map.pgm").write_bytes(b"P5 1 1 255 x")
+    if card:
+        (tmp_path / "other" / "card.json").write_text(json.dumps(card))
+    ended = twonav("train", "--stage", "map", "--scene", "kitchen", "--no-record", "--out", tmp_path / "other")
+    assert ended.code == 1
+    assert "something else" in ended.err
+    assert (tmp_path / "other" / "map.pgm").read_bytes() == b"P5 1 1 255 x"

@@ -6,7 +6,6 @@ scene's geometry once and kept in the runs folder.
 
 from __future__ import annotations
 
-import json
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,12 +15,12 @@ from twonav_cli.geometry import FloatArray
 from twonav_cli.grid import Cell, GridFrame
 from twonav_cli.mapping.approximate import approximate_maze
 from twonav_cli.mapping.known_maps import (
-    CARD_FILE,
     FOLDER,
     GEOMETRY,
     GEOMETRY_FOLDER,
     SOURCES,
     SURVEY,
+    card_in,
     find_map,
     make_map,
 )
@@ -94,11 +93,8 @@ def read_floor(
 def _outdated_survey(scene: Scene) -> Path | None:
     """Return the folder of the user's survey if it is of another version of the scene, else None."""
     folder = runs_dir() / scene.name / FOLDER
-    try:
-        card = json.loads((folder / CARD_FILE).read_text())
-        other = card["source"] == SURVEY and card["scene_digest"] != scene.digest
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
+    card = card_in(folder)
+    other = card.get("source") == SURVEY and card.get("scene_digest") != scene.digest
     return folder if other else None
 
 

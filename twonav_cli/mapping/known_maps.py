@@ -35,7 +35,7 @@ SURVEY, GEOMETRY = "survey", "geometry"
 SOURCES = (SURVEY, GEOMETRY)
 """Where a map can come from: the robot's own survey, or the simulator's geometry."""
 
-MAP_FILE = "map.yaml"
+MAP_FILE, IMAGE_FILE = "map.yaml", "map.pgm"
 CARD_FILE = "card.json"
 WALLS_FILE = "walls.npy"
 TRACK_FILE = "track.txt"
@@ -83,12 +83,12 @@ def find_map(scene: Scene, source: str | None, own_first: bool = False, chosen: 
 def _map_in(folder: Path, scene: Scene, source: str | None) -> KnownMap | None:
     """Return the map in a folder if it is whole, of this scene and, unless that is None, from this source."""
     try:
-        card = json.loads((folder / CARD_FILE).read_text())
+        card = card_in(folder)
         its_source = card.get("source", GEOMETRY)
         if card["scene_digest"] != scene.digest or its_source not in SOURCES or source not in (None, its_source):
             return None
         occupancy = load_map(folder / MAP_FILE)
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, TwonavError):
+    except (KeyError, TypeError, TwonavError):
         return None  # a map can always be made again
     if occupancy.digest != card.get("map_digest"):
         return None
@@ -103,6 +103,28 @@ def _walls_in(folder: Path) -> FloatArray | None:
         return None
     whole = walls.ndim == 2 and walls.shape[1] == 2 and np.issubdtype(walls.dtype, np.floating)
     return walls.astype(np.float64) if whole and len(walls) and np.isfinite(walls).all() else None
+
+
+def card_in(folder: Path) -> dict[str, Any]:
+    """Return the card of a folder as it stands there, empty where there is none that can be read."""
+    try:
+        card = json.loads((folder / CARD_FILE).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return card if isinstance(card, dict) else {}
+
+
+def holds_another(folder: Path, key: str) -> bool:
+    """Return whether a folder holds something else than a map of a kind, which must not be written over.
+
+    Args:
+        folder: Where a map is to be written.
+        key: What the cards of that kind have: "scene", or "log".
+    """
+    card = card_in(folder)
+    if card:
+        return card.get("kind") != "map" or key not in card
+    return any((folder / name).exists() for name in (MAP_FILE, IMAGE_FILE))
 
 
 def make_map(scene: Scene, folder: Path) -> OccupancyMap:

@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twonav_cli.config import MappingConfig
+from twonav_cli.errors import unknown_name
 from twonav_cli.geometry import FloatArray, wrap_angles
 from twonav_cli.mapping.carve import carve_scan
 from twonav_cli.mapping.cell_units import composed
 from twonav_cli.mapping.cells import TileStore
 from twonav_cli.mapping.path_tree import PathTree
-from twonav_cli.mapping.proposal import COLUMNS, DRAWN, LOG_WEIGHT, POSE, SHARE, propose
+from twonav_cli.mapping.proposal import COLUMNS, DRAWN, LOG_WEIGHT, POSE, PROPOSALS, SHARE, propose
 from twonav_cli.mapping.resampling import effective_number, normalised, systematic
 from twonav_cli.mapping.scan_match import matching_rule
 
@@ -30,6 +31,8 @@ class Particles:
     """
 
     def __init__(self, config: MappingConfig, start: FloatArray, rng: np.random.Generator) -> None:
+        if config.proposal not in PROPOSALS:
+            raise unknown_name("proposal", config.proposal, PROPOSALS)
         self.poses: FloatArray = np.tile(start, (config.particles, 1))
         self.store = TileStore(config.particles)
         self.paths = PathTree(config.particles)

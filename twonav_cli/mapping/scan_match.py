@@ -86,6 +86,18 @@ def nearest_mean(grid: CellMap, x: float, y: float, reach: int) -> tuple[float, 
     return best_dx, best_dy, best
 
 
+@inlined
+def _misfit(grid: CellMap, x: float, y: float, nx: float, ny: float, reach: int) -> tuple[float, float, float, float]:
+    """Return (dx, dy) to the nearest mean, what counts along the surface, and the squared distance that counts.
+
+    The last is FAR where no mean is within reach; (nx, ny) is (0, 0) where the scan shows no surface.
+    """
+    dx, dy, away = nearest_mean(grid, x, y, reach)
+    along = ALONG if nx != 0.0 or ny != 0.0 else 1.0
+    across = dx * nx + dy * ny
+    return dx, dy, along, along * away + (1.0 - along) * across * across if away != FAR else FAR
+
+
 @compiled
 def likelihood_at(
     grid: CellMap, points: Floats, normals: Floats, pose: Floats, sigma: float, reach: int, stride: int
@@ -96,14 +108,12 @@ def likelihood_at(
     total, matched, precision = 0.0, 0, 1.0 / (sigma * sigma)
     for i in range(0, len(points), stride):
         rx, ry = cos * points[i, 0] - sin * points[i, 1], sin * points[i, 0] + cos * points[i, 1]
-        dx, dy, away = nearest_mean(grid, from_x + rx, from_y + ry, reach)
-        if away == FAR:
+        nx, ny = cos * normals[i, 0] - sin * normals[i, 1], sin * normals[i, 0] + cos * normals[i, 1]
+        _, _, _, squared = _misfit(grid, from_x + rx, from_y + ry, nx, ny, reach)
+        if squared == FAR:
             total -= 0.5 * LIMIT
             continue
-        nx, ny = cos * normals[i, 0] - sin * normals[i, 1], sin * normals[i, 0] + cos * normals[i, 1]
-        along = ALONG if nx != 0.0 or ny != 0.0 else 1.0
-        across = dx * nx + dy * ny
-        squared = (along * away + (1.0 - along) * across * across) * precision
+        squared *= precision
         total -= 0.5 * squared * LIMIT / (LIMIT + squared)
         matched += squared < FITTING
     return total, matched
@@ -136,14 +146,12 @@ def fit_at(
     total, matched, precision = 0.0, 0, 1.0 / (sigma * sigma)
     for i in range(0, len(points), stride):
         rx, ry = cos * points[i, 0] - sin * points[i, 1], sin * points[i, 0] + cos * points[i, 1]
-        dx, dy, away = nearest_mean(grid, from_x + rx, from_y + ry, reach)
-        if away == FAR:
+        nx, ny = cos * normals[i, 0] - sin * normals[i, 1], sin * normals[i, 0] + cos * normals[i, 1]
+        dx, dy, along, squared = _misfit(grid, from_x + rx, from_y + ry, nx, ny, reach)
+        if squared == FAR:
             total -= 0.5 * LIMIT
             continue
-        nx, ny = cos * normals[i, 0] - sin * normals[i, 1], sin * normals[i, 0] + cos * normals[i, 1]
-        along = ALONG if nx != 0.0 or ny != 0.0 else 1.0
-        across = dx * nx + dy * ny
-        squared = (along * away + (1.0 - along) * across * across) * precision
+        squared *= precision
         share = LIMIT / (LIMIT + squared)
         total -= 0.5 * squared * share
         matched += squared < FITTING

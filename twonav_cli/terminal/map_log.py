@@ -20,6 +20,7 @@ from twonav_cli.events import Clock, Event, KeyframeMapped, Note, RunEnded, RunS
 from twonav_cli.files import digest_of_files, writable, write_whole
 from twonav_cli.geometry import Pose
 from twonav_cli.mapping.carmen import LaserLog, read_carmen
+from twonav_cli.mapping.known_maps import MAP_FILE, card_in, holds_another
 from twonav_cli.mapping.mapper import GridMapper
 from twonav_cli.mapping.occupancy import OccupancyMap, save_map
 from twonav_cli.mapping.scan import usable
@@ -30,7 +31,7 @@ from twonav_cli.terminal.interrupt import StopOnInterrupt
 from twonav_cli.terminal.map_options import MapChoices, checked_forward
 from twonav_cli.terminal.recordings import default_recording, recording
 
-MAP_FILE, TRAJECTORY_FILE = "map.yaml", "trajectory.txt"
+TRAJECTORY_FILE = "trajectory.txt"
 KIND = "map"
 SHOW_EVERY_S = 5.0
 """Between two lines about the progress where no bar can be drawn."""
@@ -131,27 +132,17 @@ def _checked_folder(request: MapRequest) -> Path:
     Raises:
         TwonavError: It cannot, or it does.
     """
-    folder, card = request.folder, _card_in(request.folder)
-    foreign = (folder / MAP_FILE).exists() or (folder / MAP_FILE).with_suffix(".pgm").exists()
-    if (card and (card.get("kind") != KIND or "log" not in card)) or (foreign and not card):
+    folder, card = request.folder, card_in(request.folder)
+    if holds_another(folder, "log"):
         raise TwonavError(f"{folder} holds something else than the map of a log: name another --out")
     if request.out is None and card and card.get("log_digest") != digest_of_files([request.log]):
         raise TwonavError(f"{folder} holds the map of another log of that name: name another --out")
     return writable(folder)
 
 
-def _card_in(folder: Path) -> dict[str, Any]:
-    """Return the card of a folder, empty where there is none that can be read."""
-    try:
-        card = json.loads((folder / CARD_FILE).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return card if isinstance(card, dict) else {}
-
-
 def _kept_apart(folder: Path, outcome: str) -> Path:
     """Return where to save: beside a map of the whole log what was stopped does not replace it."""
-    whole = _card_in(folder).get("metrics", {}).get("outcome") == WHOLE
+    whole = card_in(folder).get("metrics", {}).get("outcome") == WHOLE
     return folder.with_name(f"{folder.name}-{STOPPED}") if outcome == STOPPED and whole else folder
 
 

@@ -27,9 +27,6 @@ DRIVEN = ("map", "3d")
 """Stages in which a robot with a base drives."""
 USUAL_SCENE, USUAL_BASE = "apartment", "omni"
 
-LOG_TRAJECTORY = "trajectory.txt"
-"""What the map of a log has beside it, and a survey has not."""
-
 ALREADY_LEARNED = "already-learned"
 """The outcome of going on with a run that has nothing left to do."""
 
@@ -175,16 +172,14 @@ def _checked_folder(request: TrainRequest, folder: Path) -> Path:
     """
     if request.resume:
         return writable(folder) if folder.is_dir() else folder
-    if request.stage == "map" and ((folder / LOG_TRAJECTORY).exists() or _foreign_map(folder)):
-        raise TwonavError(f"{folder} holds a map that is no survey: name another --out")
+    if request.stage == "map":
+        from twonav_cli.mapping.known_maps import holds_another
+
+        if holds_another(folder, "scene"):
+            raise TwonavError(f"{folder} holds something else than the map of a scene: name another --out")
     if request.out is None and not request.quick and (folder / CARD_FILE).is_file():
         _keep_unfinished(request, folder)
     return writable(folder)
-
-
-def _foreign_map(folder: Path) -> bool:
-    """Return whether a folder holds a map without a card of ours."""
-    return (folder / "map.yaml").exists() and not (folder / CARD_FILE).exists()
 
 
 def _keep_unfinished(request: TrainRequest, folder: Path) -> None:
