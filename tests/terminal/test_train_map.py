@@ -182,7 +182,7 @@ def test_a_stop_while_writing_never_leaves_a_new_file_under_an_old_card(
     folder = tmp_path / "made"
     for name in ("card.json", "track.txt", "walls.npy", "map.pgm", "map.yaml"):
         folder.mkdir(exist_ok=True)
-        (folder / name).write_text("{}")
+        (folder / name).write_text('{"kind": "map", "scene": "room"}')
 
     def stopping(path: Path, content: bytes | str) -> Path:
         written = write_whole(path, content)

@@ -114,17 +114,18 @@ def card_in(folder: Path) -> dict[str, Any]:
     return card if isinstance(card, dict) else {}
 
 
-def holds_another(folder: Path, key: str) -> bool:
+def holds_another(folder: Path, key: str, named: bool) -> bool:
     """Return whether a folder holds something else than a map of a kind, which must not be written over.
 
     Args:
         folder: Where a map is to be written.
         key: What the cards of that kind have: "scene", or "log".
+        named: Whether the user named the folder; in the usual one a map without a card was left by a kill.
     """
     card = card_in(folder)
     if card:
         return card.get("kind") != "map" or key not in card
-    return any((folder / name).exists() for name in (MAP_FILE, IMAGE_FILE))
+    return named and any((folder / name).exists() for name in (MAP_FILE, IMAGE_FILE))
 
 
 def make_map(scene: Scene, folder: Path) -> OccupancyMap:

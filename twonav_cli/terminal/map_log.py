@@ -133,7 +133,7 @@ def _checked_folder(request: MapRequest) -> Path:
         TwonavError: It cannot, or it does.
     """
     folder, card = request.folder, card_in(request.folder)
-    if holds_another(folder, "log"):
+    if holds_another(folder, "log", request.out is not None):
         raise TwonavError(f"{folder} holds something else than the map of a log: name another --out")
     if request.out is None and card and card.get("log_digest") != digest_of_files([request.log]):
         raise TwonavError(f"{folder} holds the map of another log of that name: name another --out")

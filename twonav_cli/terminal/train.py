@@ -175,7 +175,7 @@ def _checked_folder(request: TrainRequest, folder: Path) -> Path:
     if request.stage == "map":
         from twonav_cli.mapping.known_maps import holds_another
 
-        if holds_another(folder, "scene"):
+        if holds_another(folder, "scene", request.out is not None):
             raise TwonavError(f"{folder} holds something else than the map of a scene: name another --out")
     if request.out is None and not request.quick and (folder / CARD_FILE).is_file():
         _keep_unfinished(request, folder)
