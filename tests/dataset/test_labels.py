@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from toy_frames import ToyCamera, toy_plan
 
-from twonav_cli.dataset import collect as collecting
 from twonav_cli.dataset.collect import LABELS_FILE, MAPPER, Provenance, collect
-from twonav_cli.dataset.labels import MapLabels
-from twonav_cli.dataset.plan import GRID, HELD_OUT, FramePlan
-from twonav_cli.dataset.poses import TEST, TRAIN
+from twonav_cli.dataset.labels import MapLabels, TourLabels
+from twonav_cli.dataset.poses import TRAIN
 from twonav_cli.dataset.store import open_store
 from twonav_cli.errors import TwonavError
 from twonav_cli.geometry import Pose, distance_m, wrap_angle
@@ -25,25 +23,8 @@ SIMULATED = Provenance("toy", "digest", 3)
 OF_MAPPER = replace(SIMULATED, labels=MAPPER, map_digest="m" * 16)
 
 
-def plan(count: int = 6) -> FramePlan:
-    poses = np.zeros((count, 3), dtype=np.float32)
-    poses[:, 0] = np.arange(count)
-    kinds, splits = np.full(count, GRID, dtype=np.uint8), np.full(count, TRAIN, dtype=np.uint8)
-    kinds[-1], splits[-1] = HELD_OUT, TEST
-    return FramePlan(poses, kinds, splits)
-
-
-def picture(pose: Pose) -> np.ndarray:
-    return np.full((84, 84, 3), int(pose.x_m), dtype=np.uint8)
-
-
-def moved(index: int, pose: Pose) -> Pose | None:
-    """Return the pose a tenth to the right; nobody knows where frame 2 was taken."""
-    return None if index == 2 else Pose(pose.x_m + 0.1, pose.y_m, pose.theta_rad)
-
-
 def test_labels_are_learned_from_and_poses_are_measured_against(tmp_path: Path) -> None:
-    store = open_store(collect(picture, plan(), tmp_path, OF_MAPPER, label=moved))
+    store = open_store(collect(ToyCamera(labelled=True), toy_plan(6), tmp_path, OF_MAPPER))
     assert store.poses[:, 0].tolist() == [0, 1, 2, 3, 4, 5]
     assert np.isnan(store.labels[2]).all()
     assert store.labels[[0, 1, 3, 4, 5], 0] == pytest.approx([0.1, 1.1, 3.1, 4.1, 5.1])
@@ -52,48 +33,36 @@ def test_labels_are_learned_from_and_poses_are_measured_against(tmp_path: Path) 
 
 
 def test_what_has_no_label_is_not_learned_from(tmp_path: Path) -> None:
-    store = open_store(collect(picture, plan(), tmp_path, OF_MAPPER, label=moved))
-    assert store.training().tolist() == [0, 1, 3, 4]
-    assert store.off_grid().tolist() == [5]
+    plan = toy_plan(9)
+    plan.splits[:] = TRAIN
+    store = open_store(collect(ToyCamera(labelled=True), plan, tmp_path, OF_MAPPER))
+    assert store.training().tolist() == [0, 1, 3, 4, 5, 6, 7]
 
 
 def test_the_simulators_labels_are_the_poses_and_take_no_file(tmp_path: Path) -> None:
-    store = open_store(collect(picture, plan(), tmp_path, SIMULATED))
+    store = open_store(collect(ToyCamera(), toy_plan(), tmp_path, SIMULATED))
     assert store.meta["labels"] == "simulator"
     assert np.array_equal(store.labels, store.poses)
     assert not (tmp_path / LABELS_FILE).exists()
 
 
-def test_frames_from_before_there_were_labels_are_read_and_gone_on_with(tmp_path: Path) -> None:
-    collect(picture, plan(), tmp_path, SIMULATED)
-    path = tmp_path / "meta.json"
-    meta = json.loads(path.read_text())
-    del meta["labels"], meta["map_digest"]
-    path.write_text(json.dumps(meta))
-    assert np.array_equal(open_store(tmp_path).labels, open_store(tmp_path).poses)
-    assert collect(picture, plan(), tmp_path, SIMULATED) == tmp_path
+def test_labels_by_another_are_not_mixed(tmp_path: Path) -> None:
+    collect(ToyCamera(), toy_plan(), tmp_path, SIMULATED)
     with pytest.raises(TwonavError, match="another scene, map, plan or seed"):
-        collect(picture, plan(), tmp_path, OF_MAPPER, label=moved)
+        collect(ToyCamera(labelled=True), toy_plan(), tmp_path, OF_MAPPER)
 
 
-def test_a_stopped_collection_goes_on_with_the_labels_it_has(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(collecting, "_CHUNK", 2)
-    asked: list[int] = []
-
-    def noted(index: int, pose: Pose) -> Pose | None:
-        asked.append(index)
-        return moved(index, pose)
-
-    collect(picture, plan(), tmp_path, OF_MAPPER, should_stop=lambda: len(asked) >= 4, label=noted)
-    assert asked == [0, 1, 2, 3]
-    collect(picture, plan(), tmp_path, OF_MAPPER, label=noted)
-    assert asked == [0, 1, 2, 3, 4, 5]
-    assert np.isfinite(open_store(tmp_path).labels).all(axis=1).tolist() == [True, True, False, True, True, True]
+def test_a_stopped_collection_goes_on_with_the_labels_it_has(tmp_path: Path) -> None:
+    collect(ToyCamera(labelled=True), toy_plan(), tmp_path, OF_MAPPER, should_stop=lambda: True)
+    collect(ToyCamera(labelled=True), toy_plan(), tmp_path, OF_MAPPER)
+    known = open_store(tmp_path).labelled()
+    assert np.flatnonzero(~known).tolist() == [2]
 
 
 @pytest.mark.parametrize("how", ["missing", "truncated"])
 def test_damaged_labels_are_one_line(tmp_path: Path, how: str) -> None:
-    collect(picture, plan(), tmp_path, OF_MAPPER, label=moved)
+    camera = ToyCamera(labelled=True)
+    collect(camera, toy_plan(), tmp_path, OF_MAPPER)
     path = tmp_path / LABELS_FILE
     content = path.read_bytes()
     path.unlink()
@@ -101,9 +70,8 @@ def test_damaged_labels_are_one_line(tmp_path: Path, how: str) -> None:
         path.write_bytes(content[:90])
     with pytest.raises(TwonavError, match=r"labels\.npy is missing or damaged"):
         open_store(tmp_path)
-    if how == "missing":
-        with pytest.raises(TwonavError, match=r"labels\.npy is missing or damaged"):
-            collect(picture, plan(), tmp_path, OF_MAPPER, label=moved)
+    with pytest.raises(TwonavError, match=r"labels\.npy is missing or damaged"):
+        collect(camera, toy_plan(), tmp_path, OF_MAPPER)
 
 
 # The robot in a scene
@@ -122,7 +90,7 @@ def test_the_robot_finds_itself_on_its_map_to_a_few_centimetres_from_a_guess_tha
     away_m, turned_rad = [], []
     for index, pose in enumerate([*floor.scene.starts.values(), *floor.scene.goals.values()]):
         world.place(pose)
-        found = label(index, pose)
+        found = label.set_down(index, pose)
         assert found is not None
         away_m.append(distance_m(found, pose))
         turned_rad.append(abs(wrap_angle(found.theta_rad - pose.theta_rad)))
@@ -138,14 +106,40 @@ def test_a_frames_label_depends_on_its_number_alone_and_not_on_those_before(floo
     world.place(pose)
     one, other = (MapLabels(floor, RangeFinder(world), seed=2) for _ in range(2))
     for index in range(3):
-        one(index, pose)
-    assert one(3, pose) == other(3, pose)
-    assert one(3, pose) != one(4, pose)
+        one.set_down(index, pose)
+    assert one.set_down(3, pose) == other.set_down(3, pose)
+    assert one.set_down(3, pose) != one.set_down(4, pose)
 
 
 def test_a_scan_of_another_place_gets_no_label(floor: Floor) -> None:
     world = World(floor.scene)
     world.place(Pose(1.0, 0.7, 0.5))
     label = MapLabels(floor, RangeFinder(world), seed=3)
-    assert label(0, Pose(5.7, 4.1, -2.2)) is None
-    assert label(1, Pose(30.0, 30.0, 0.0)) is None
+    assert label.set_down(0, Pose(5.7, 4.1, -2.2)) is None
+    assert label.set_down(1, Pose(30.0, 30.0, 0.0)) is None
+
+
+def test_on_a_tour_every_frame_is_labelled_from_the_one_before(floor: Floor) -> None:
+    world = World(floor.scene)
+    labels = MapLabels(floor, RangeFinder(world), seed=4)
+    way = np.array([[1.0, 0.7], [1.2, 0.7], [1.4, 0.8]])
+    label = TourLabels(labels, world.place, 0, way)
+    assert world.pose()[:2] == pytest.approx((1.4, 0.8), abs=1e-6)
+    for index, degrees in enumerate(range(0, 90, 10)):
+        pose = Pose(1.4, 0.8, np.deg2rad(degrees))
+        world.place(pose)
+        found = label(index, pose)
+        assert found is not None
+        assert distance_m(found, pose) < 0.1
+        assert abs(wrap_angle(found.theta_rad - pose.theta_rad)) < 0.05
+
+
+def test_where_no_scan_fits_a_tour_keeps_odometry_and_gives_no_label(floor: Floor) -> None:
+    world = World(floor.scene)
+    labels = MapLabels(floor, RangeFinder(world), seed=5)
+    world.place(Pose(1.0, 0.7, 0.5))
+    elsewhere = Pose(30.0, 30.0, 0.0)
+    believed, seen = labels.on_the_way(3, elsewhere, Pose(0.0, 0.0, 0.0), Pose(0.5, 0.0, 0.1))
+    assert not seen
+    assert believed == pytest.approx((30.5, 30.0, 0.1), abs=0.1)
+    assert believed != pytest.approx((30.5, 30.0, 0.1), abs=1e-6)  # odometry errs

@@ -71,3 +71,14 @@ def test_a_footprint_over_one_occupied_pixel_does_not_fit_at_the_heading_that_co
 def test_a_start_inside_a_wall_is_refused() -> None:
     with pytest.raises(TwonavError, match="fits at none"):
         poses.reachable_floor(np.ones(FRAME.shape, dtype=bool), FRAME, SEEDS)
+
+
+def test_a_share_of_the_cells_is_held_out_and_at_least_one() -> None:
+    assert poses.held_out_cells(200, 0.02, np.random.default_rng(1)).sum() == 4
+    assert poses.held_out_cells(5, 0.02, np.random.default_rng(1)).sum() == 1
+
+
+def test_a_pose_lies_in_a_cell_up_to_its_border() -> None:
+    found = poses.in_cells(np.array([[1.12, 2.0, 0.0], [1.13, 2.0, 1.0], [0.9, 2.1, 3.0]]), np.array([[1.0, 2.0]]))
+    assert found.tolist() == [True, False, True]
+    assert not poses.in_cells(np.zeros((2, 3)), np.zeros((0, 2))).any()

@@ -1,7 +1,7 @@
-"""Taking the frames: renders every pose of a plan into memory-mapped files, and goes on after a kill.
+"""Taking the frames: chunk by chunk into memory-mapped files, on several processors, and on after a kill.
 
 A data set is a folder: `frames.npy` uint8 [N, 84, 84, 3], `poses.npy` float32 [N, 3] (where the robot stood),
-`kinds.npy` and `splits.npy` uint8 [N], `meta.json` (what it shows), `progress.json` (how many frames are there). Where
+`kinds.npy` and `splits.npy` uint8 [N], `meta.json` (what it shows), `progress.json` (which chunks are there). Where
 the robot itself found out where it stood, `labels.npy` float32 [N, 3] holds that, not a number where it did not; else
 the poses are the labels.
 """
@@ -9,11 +9,13 @@ the poses are the labels.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import closing
 from dataclasses import asdict, dataclass, field
 from io import BytesIO
+from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +24,8 @@ from twonav_cli.config import IMAGE_PX
 from twonav_cli.dataset.plan import FramePlan
 from twonav_cli.errors import TwonavError
 from twonav_cli.files import write_whole
-from twonav_cli.geometry import Pose
 
-FORMAT = 1
+FORMAT = 2
 FRAMES_FILE, POSES_FILE, KINDS_FILE, SPLITS_FILE = "frames.npy", "poses.npy", "kinds.npy", "splits.npy"
 LABELS_FILE = "labels.npy"
 META_FILE, PROGRESS_FILE = "meta.json", "progress.json"
@@ -33,14 +34,19 @@ MAPPER, SIMULATOR = "mapper", "simulator"
 
 IMAGE_SHAPE = (IMAGE_PX, IMAGE_PX, 3)
 
-Render = Callable[[Pose], NDArray[np.uint8]]
-Label = Callable[[int, Pose], Pose | None]
 Progress = Callable[[int, int], None]
-Frames = np.memmap[Any, np.dtype[np.uint8]]
-Labels = np.memmap[Any, np.dtype[np.float32]]
+Images = NDArray[np.uint8]
+Labels = NDArray[np.float32]
 
-_CHUNK = 500
-"""Frames between two marks of progress: about half a second of rendering is lost by a kill."""
+
+class Taker(Protocol):
+    """Takes the frames of a chunk: a robot with a camera, or a toy in a test."""
+
+    def take(self, plan: FramePlan, chunk: int) -> tuple[Images, Labels | None]:
+        """Return the pictures [n, 84, 84, 3] of a chunk and their labels [n, 3], None where nobody labels."""
+
+    def close(self) -> None:
+        """Give back what it holds."""
 
 
 @dataclass(frozen=True)
@@ -59,24 +65,24 @@ class Provenance:
 
 
 def collect(
-    render: Render,
+    make_taker: Callable[[], Taker],
     plan: FramePlan,
     folder: Path,
     provenance: Provenance,
     progress: Progress | None = None,
     should_stop: Callable[[], bool] | None = None,
-    label: Label | None = None,
+    processes: int = 1,
 ) -> Path:
-    """Render, and label, what is missing of a data set (§4.1; the robot is placed, not driven: ours).
+    """Take what is missing of a data set (§4.1; the robot is moved along the ways, its wheels are not simulated: ours).
 
     Args:
-        render: Places the robot at a pose and returns what its camera sees, uint8 [84, 84, 3] RGB.
+        make_taker: Makes what takes the frames, once in each process (it must be picklable for more than one).
         plan: Which frames.
         folder: Where the data set is or will be.
-        provenance: Scene, seed and render settings.
-        progress: Told (frames there, frames wanted) every few hundred frames.
-        should_stop: Asked every few hundred frames; True ends early, and the next call goes on from there.
-        label: Called right after `render` with the frame's number and pose; returns where the robot finds itself.
+        provenance: Scene, seed, render settings, and who labels.
+        progress: Told (frames there, frames wanted) after every chunk.
+        should_stop: Asked after every chunk; True ends early, and the next call goes on from there.
+        processes: How many work at a time; the frames are the same whatever this is.
 
     Returns:
         The folder.
@@ -85,88 +91,138 @@ def collect(
         TwonavError: The folder holds another data set or cannot be written, or the camera's image has a wrong shape.
     """
     try:
-        frames, done = _opened(plan, folder, provenance)
-        labels = _opened_labels(folder, len(plan.poses)) if label is not None else None
-        total = len(plan.poses)
-        while done < total and not (should_stop and should_stop()):
-            end = min(done + _CHUNK, total)
-            for index in range(done, end):
-                pose = Pose(*(float(value) for value in plan.poses[index]))
-                image = render(pose)
-                if image.shape != IMAGE_SHAPE or image.dtype != np.uint8:
-                    raise TwonavError(f"the camera gave {image.dtype} {image.shape}, not uint8 {IMAGE_SHAPE}")
-                frames[index] = image
-                if label is not None and labels is not None:
-                    labels[index] = label(index, pose) or (np.nan, np.nan, np.nan)
-            frames.flush()
-            if labels is not None:
-                labels.flush()
-            done = end
-            _write_progress(folder, done)
-            if progress:
-                progress(done, total)
+        done = _opened(plan, folder, provenance)
+        missing = [chunk for chunk in range(len(plan.chunks)) if chunk not in done]
+        sizes = np.diff(plan.chunks, axis=1)[:, 0]
+        there = int(sizes[sorted(done)].sum())
+        with closing(_taken(make_taker, plan, folder, missing, processes)) as chunks:
+            for chunk in chunks if missing else ():
+                done.add(chunk)
+                there += int(sizes[chunk])
+                _write_progress(folder, done)
+                if progress:
+                    progress(there, len(plan.poses))
+                if should_stop and should_stop():
+                    break
     except OSError as error:
         raise TwonavError(f"cannot write frames to {folder}: {error.strerror or error}") from error
     return folder
 
 
-def frames_done(folder: Path) -> int:
-    """Return how many frames a folder holds; 0 where there is no data set."""
+def chunks_done(folder: Path) -> set[int]:
+    """Return which chunks a folder holds; none where there is no data set."""
     try:
-        return int(json.loads((folder / PROGRESS_FILE).read_text())["done"])
+        content = json.loads((folder / PROGRESS_FILE).read_text())
+        return {number for first, end in content["chunks"] for number in range(int(first), int(end))}
     except (OSError, ValueError, KeyError, TypeError):
-        return 0
+        return set()
 
 
-def _opened(plan: FramePlan, folder: Path, provenance: Provenance) -> tuple[Frames, int]:
-    """Return the writable frames [N, 84, 84, 3] of a new or continued data set, and how many are there."""
+_taker: Taker
+_plan: FramePlan
+_folder: Path
+
+
+def _begin(make_taker: Callable[[], Taker], plan: FramePlan, folder: Path) -> None:
+    """Get a process ready to take chunks."""
+    import signal
+
+    global _taker, _plan, _folder
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent stops its children
+    _taker, _plan, _folder = make_taker(), plan, folder
+
+
+def _take(chunk: int) -> int:
+    """Take one chunk in a process of its own; return its number."""
+    _store(_taker, _plan, _folder, chunk)
+    return chunk
+
+
+def _taken(
+    make_taker: Callable[[], Taker], plan: FramePlan, folder: Path, missing: list[int], processes: int
+) -> Iterator[int]:
+    """Take chunks, and yield the number of each that is on disk."""
+    if processes < 2 or len(missing) < 2:
+        with closing(make_taker()) as taker:
+            for chunk in missing:
+                _store(taker, plan, folder, chunk)
+                yield chunk
+        return
+    pool = get_context("spawn").Pool(min(processes, len(missing)), _begin, (make_taker, plan, folder))
+    try:
+        yield from pool.imap_unordered(_take, missing)
+    finally:
+        pool.terminate()
+        pool.join()
+
+
+def _store(taker: Taker, plan: FramePlan, folder: Path, chunk: int) -> None:
+    """Take the frames of a chunk and write them where they belong."""
+    images, labels = taker.take(plan, chunk)
+    first, end = (int(number) for number in plan.chunks[chunk])
+    if images.shape != (end - first, *IMAGE_SHAPE) or images.dtype != np.uint8:
+        raise TwonavError(f"the camera gave {images.dtype} {images.shape[1:]}, not uint8 {IMAGE_SHAPE}")
+    frames = np.lib.format.open_memmap(folder / FRAMES_FILE, mode="r+")
+    frames[first:end] = images
+    frames.flush()
+    if labels is not None:
+        stored = np.lib.format.open_memmap(folder / LABELS_FILE, mode="r+")
+        stored[first:end] = labels
+        stored.flush()
+
+
+def _opened(plan: FramePlan, folder: Path, provenance: Provenance) -> set[int]:
+    """Make a new data set, or check one that goes on; return the chunks that are there."""
     meta = {"format": FORMAT, "frames": len(plan.poses), "plan": plan.digest, **asdict(provenance)}
-    path = folder / META_FILE
+    meta["chunks"] = len(plan.chunks)
+    path, shape = folder / META_FILE, (len(plan.poses), *IMAGE_SHAPE)
+    by_mapper = provenance.labels == MAPPER
     if path.exists() and (folder / FRAMES_FILE).exists():
-        if _with_defaults(_read_json(path)) != json.loads(json.dumps(meta)):
+        if _read_json(path) != json.loads(json.dumps(meta)):
             raise TwonavError(f"{folder} holds frames of another scene, map, plan or seed: delete it, or name another")
-        frames = np.lib.format.open_memmap(folder / FRAMES_FILE, mode="r+")
-        if frames.shape != (len(plan.poses), *IMAGE_SHAPE):
-            raise TwonavError(f"{folder / FRAMES_FILE} has the wrong size: delete {folder} and collect again")
-        return frames, min(frames_done(folder), len(plan.poses))
+        _check_array(folder / FRAMES_FILE, shape)
+        if by_mapper:
+            _check_array(folder / LABELS_FILE, (len(plan.poses), 3))
+        return chunks_done(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    _write_progress(folder, 0)
+    _write_progress(folder, set())
     for name, array in ((POSES_FILE, plan.poses), (KINDS_FILE, plan.kinds), (SPLITS_FILE, plan.splits)):
         content = BytesIO()
         np.save(content, array, allow_pickle=False)
         write_whole(folder / name, content.getvalue())
-    frames = np.lib.format.open_memmap(
-        folder / FRAMES_FILE, mode="w+", dtype=np.uint8, shape=(len(plan.poses), *IMAGE_SHAPE)
-    )
+    np.lib.format.open_memmap(folder / FRAMES_FILE, mode="w+", dtype=np.uint8, shape=shape)
+    if by_mapper:
+        labels = np.lib.format.open_memmap(
+            folder / LABELS_FILE, mode="w+", dtype=np.float32, shape=(len(plan.poses), 3)
+        )
+        labels[:] = np.nan
     write_whole(path, json.dumps(meta, indent=2) + "\n")
-    return frames, 0
+    return set()
 
 
-def _opened_labels(folder: Path, count: int) -> Labels:
-    """Return the writable labels [N, 3] of a data set.
+def _check_array(path: Path, shape: tuple[int, ...]) -> None:
+    """Make sure that a memory-mapped file is there in its whole size.
 
     Raises:
-        TwonavError: Some of the frames that are there have none.
+        TwonavError: It is missing, cut off, or of another shape.
     """
-    path = folder / LABELS_FILE
-    if path.exists():
-        labels = np.lib.format.open_memmap(path, mode="r+")
-        if labels.shape == (count, 3) and labels.dtype == np.float32:
-            return labels
-    if path.exists() or frames_done(folder):
-        raise TwonavError(f"{path} is missing or damaged: delete {folder} and collect again")
-    labels = np.lib.format.open_memmap(path, mode="w+", dtype=np.float32, shape=(count, 3))
-    labels[:] = np.nan
-    return labels
+    try:
+        found = np.lib.format.open_memmap(path, mode="r").shape
+    except (OSError, ValueError, EOFError):
+        found = ()
+    if found != shape:
+        raise TwonavError(f"{path} is missing or damaged: delete {path.parent} and collect again")
 
 
-def _with_defaults(meta: Any) -> Any:
-    """Return what a data set says of itself; one that was made before there were labels has the simulator's."""
-    return {"labels": SIMULATOR, "map_digest": None, **meta} if isinstance(meta, dict) else meta
-
-
-def _write_progress(folder: Path, done: int) -> None:
-    write_whole(folder / PROGRESS_FILE, json.dumps({"done": done}) + "\n")
+def _write_progress(folder: Path, done: Iterable[int]) -> None:
+    """Write which chunks are there, as ranges from the first to the one after the last."""
+    ranges: list[list[int]] = []
+    for number in sorted(done):
+        if ranges and ranges[-1][1] == number:
+            ranges[-1][1] += 1
+        else:
+            ranges.append([number, number + 1])
+    write_whole(folder / PROGRESS_FILE, json.dumps({"chunks": ranges}) + "\n")
 
 
 def _read_json(path: Path) -> Any:

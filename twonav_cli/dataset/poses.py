@@ -93,6 +93,23 @@ def paper_split(cell_count: int, rng: np.random.Generator) -> NDArray[np.uint8]:
     return np.asarray(rng.permuted(sections, axis=2).reshape(cell_count, DEGREES))
 
 
+def held_out_cells(count: int, share: float, rng: np.random.Generator) -> BoolGrid:
+    """Return which of the cells [count] are kept out of every training: a share of them, at least one (ours)."""
+    held = np.zeros(count, dtype=bool)
+    held[rng.permutation(count)[: max(1, round(share * count))]] = True
+    return held
+
+
+def in_cells(poses: FloatArray, centres: FloatArray) -> BoolGrid:
+    """Return which poses [N, 3] lie in one of the 25 cm cells with centres [K, 2]."""
+    if not len(centres):
+        return np.zeros(len(poses), dtype=bool)
+    found = np.zeros(len(poses), dtype=bool)
+    for x_m, y_m in centres:
+        found |= (np.abs(poses[:, 0] - x_m) <= FRAME_SPACING_M / 2) & (np.abs(poses[:, 1] - y_m) <= FRAME_SPACING_M / 2)
+    return found
+
+
 def footprint_points(spacing_m: float = 0.025) -> FloatArray:
     """Return points [P, 2] that cover the robot's outline and what is inside it, robot frame."""
     outline = np.array(ROBOT_FOOTPRINT_M)

@@ -23,10 +23,10 @@ from twonav_cli.dataset.collect import (
     POSES_FILE,
     SIMULATOR,
     SPLITS_FILE,
-    frames_done,
+    chunks_done,
 )
-from twonav_cli.dataset.plan import GRID, HELD_OUT
-from twonav_cli.dataset.poses import TEST, TRAIN
+from twonav_cli.dataset.plan import GRID, HELD_CELL, HELD_OUT, RANDOM
+from twonav_cli.dataset.poses import TEST, TRAIN, VALIDATION
 from twonav_cli.errors import TwonavError
 
 Indices = NDArray[np.int64]
@@ -40,7 +40,7 @@ class FrameStore:
         frames: [N, 84, 84, 3] uint8 RGB, memory-mapped, read only.
         poses: [N, 3] float32, where the robot stood, map frame; only what is measured is measured against them.
         labels: [N, 3] float32, where it is said to have stood: what is learned from; not a number where nobody knew.
-        kinds: [N] uint8: GRID, RANDOM or HELD_OUT.
+        kinds: [N] uint8: GRID, RANDOM, HELD_OUT or HELD_CELL.
         splits: [N] uint8: TRAIN, VALIDATION or TEST.
         meta: Scene, digest, seed and render settings.
     """
@@ -56,8 +56,8 @@ class FrameStore:
         return len(self.poses)
 
     def training(self) -> Indices:
-        """Return the frames to learn from: the paper's training half of the grid, and the random ones, if labelled."""
-        return np.flatnonzero((self.kinds != HELD_OUT) & (self.splits == TRAIN) & self.labelled())
+        """Return the labelled frames to learn from: the paper's training half of the grid, or the random ones."""
+        return np.flatnonzero(np.isin(self.kinds, (GRID, RANDOM)) & (self.splits == TRAIN) & self.labelled())
 
     def labelled(self) -> NDArray[np.bool_]:
         """Return which frames [N] have a label."""
@@ -66,6 +66,14 @@ class FrameStore:
     def off_grid(self) -> Indices:
         """Return the held-out frames at random poses."""
         return np.flatnonzero(self.kinds == HELD_OUT)
+
+    def held_cells(self) -> Indices:
+        """Return the frames in whole cells that no training has seen."""
+        return np.flatnonzero(self.kinds == HELD_CELL)
+
+    def validation(self) -> Indices:
+        """Return the labelled frames to choose and to calibrate by: of the paper's split (§4.1), or random ones."""
+        return np.flatnonzero(np.isin(self.kinds, (GRID, RANDOM)) & (self.splits == VALIDATION) & self.labelled())
 
     def paper_test(self) -> Indices:
         """Return the test frames of the paper's split: on the grid, beside training frames (§4.1)."""
@@ -94,8 +102,9 @@ def open_store(folder: Path, scene_digest: str | None = None) -> FrameStore:
             f"the frames in {folder} show another scene or another version of it "
             f"({meta.get('scene', 'unknown')}): collect them again for this one"
         )
-    if frames_done(folder) < count:
-        raise TwonavError(f"only {frames_done(folder)} of {count} frames are in {folder}: collect again to go on")
+    done, wanted = len(chunks_done(folder)), meta.get("chunks")
+    if done != wanted:
+        raise TwonavError(f"only {done} of {wanted} chunks of frames are in {folder}: collect again to go on")
     poses = _array(folder / POSES_FILE, np.float32, (count, 3))
     by_mapper = meta.get("labels", SIMULATOR) != SIMULATOR
     return FrameStore(

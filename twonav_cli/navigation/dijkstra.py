@@ -110,8 +110,12 @@ class FreeSpace:
         lengths = dijkstra(self._graph, directed=False, indices=self._check(start))
         return np.asarray(lengths, dtype=np.float64).reshape(self.free.shape)
 
-    def tree(self, start: Cell) -> PathTree:
+    def tree(self, start: Cell, limit: float = np.inf) -> PathTree:
         """Return the shortest paths from a cell to every other.
+
+        Args:
+            start: Where they begin.
+            limit: Cells further away than this, in cells, count as not reached.
 
         Raises:
             TwonavError: `start` is not free.
@@ -119,7 +123,9 @@ class FreeSpace:
         from scipy.sparse.csgraph import dijkstra
 
         first = self._check(start)
-        lengths, before = dijkstra(self._graph, directed=False, indices=first, return_predecessors=True)
+        lengths, before = dijkstra(
+            self._graph, directed=False, indices=first, return_predecessors=True, limit=limit
+        )
         return PathTree(np.asarray(lengths, dtype=np.float64).reshape(self.free.shape), before, start)
 
     def path(self, start: Cell, goal: Cell) -> list[Cell]:
