@@ -12,11 +12,15 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from twonav_cli.belief import Belief
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell, GridFrame
 from twonav_cli.maze import Maze
 
 FloatArray = NDArray[np.float64]
+
+LEAST_WEIGHT = 0.03
+"""Probability from which another place is worth naming (ours)."""
 
 
 @dataclass(frozen=True)
@@ -104,12 +108,31 @@ class Tick(Event):
 
 
 @dataclass(frozen=True)
+class Filtered:
+    """What the belief filter makes of all looks and of the odometry between them (Eq. 4-5)."""
+
+    probability: float
+    """Share of its belief at the estimate, 0 to 1."""
+    spread_m: float
+    spread_rad: float
+    particles: NDArray[np.float32]
+    """[P, 3] some of its particles."""
+    others: FloatArray
+    """[K, 3] weight, x_m, y_m of the other places that it holds possible, the likeliest first."""
+
+
+@dataclass(frozen=True)
 class Looked(Event):
-    """The camera was looked through while the robot stands; nothing is estimated from it."""
+    """The camera was looked through while the robot stands: before an action, or after it was carried."""
 
     pose_true: Pose
     image: NDArray[np.uint8]
     """[84, 84, 3] RGB."""
+    pose_estimate: Pose | None = None
+    """None when nothing was estimated from the picture."""
+    belief: Belief | None = None
+    """What the picture alone says; its pose is the localizer's, whatever a filter makes of it."""
+    filtered: Filtered | None = None
 
 
 @dataclass(frozen=True)
@@ -133,9 +156,14 @@ class StepTaken(Event):
     """Where the robot really is afterwards."""
     pose_true: Pose | None = None
     pose_estimate: Pose | None = None
-    """The localizer's pose after the action, None in the maze."""
+    """Where the robot believes to be after the action: the filter's pose, or without one the localizer's; None in the
+    maze."""
     image: NDArray[np.uint8] | None = None
     """[84, 84, 3] RGB, what the localizer saw after the action."""
+    belief: Belief | None = None
+    """What that picture alone says, None in the maze and with the simulator's truth."""
+    filtered: Filtered | None = None
+    """What the filter makes of it, None without one."""
 
 
 @dataclass(frozen=True)
@@ -271,6 +299,24 @@ class RunEnded(Event):
     """A run is over."""
 
     outcome: str
+
+
+def confidence_of(belief: Belief | None, filtered: Filtered | None) -> float | None:
+    """Return how sure the robot is of where it believes to be, 0 to 1; None where neither says anything."""
+    if filtered is not None:
+        return filtered.probability
+    return belief.confidence if belief is not None else None
+
+
+def other_places(belief: Belief | None, filtered: Filtered | None, least: float = LEAST_WEIGHT) -> FloatArray:
+    """Return weight, x_m, y_m [K, 3] of the other places where the robot could be, the likeliest first."""
+    if filtered is not None:
+        others = filtered.others
+    elif belief is not None:
+        others = np.column_stack([(1.0 - belief.lost) * belief.places[1:, 0], belief.places[1:, 1:3]])
+    else:
+        return np.zeros((0, 3))
+    return np.asarray(others[others[:, 0] >= least], dtype=np.float64)
 
 
 Sink = Callable[[Event], None]

@@ -39,6 +39,12 @@ def test_a_start_in_a_wall_or_outside_is_refused(stage: MazeStage, cell: Cell) -
         stage.place(cell)
 
 
+def test_a_robot_that_is_carried_knows_where_it_is(stage: MazeStage) -> None:
+    stage.place(Cell(0, 0))
+    seen = stage.carry(Cell(1, 1))
+    assert seen.cell == seen.true_cell == Cell(1, 1)
+
+
 def test_acting_before_being_placed_is_refused(stage: MazeStage) -> None:
     with pytest.raises(TwonavError, match="place it"):
         stage.act(Action.UP, Clock(), to_nobody)

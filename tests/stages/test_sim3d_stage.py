@@ -8,12 +8,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from twonav_cli.events import Clock, Event, Tick, to_nobody
-from twonav_cli.geometry import Pose, distance_m
-from twonav_cli.grid import Cell
+from twonav_cli.belief import Belief
+from twonav_cli.events import Clock, Event, Filtered, Tick, to_nobody
+from twonav_cli.geometry import Pose, compose, distance_m
+from twonav_cli.grid import Cell, GridFrame
 from twonav_cli.mapping.floor import Floor, read_floor
 from twonav_cli.maze import Action
 from twonav_cli.navigation.outcomes import BLOCKED, REACHED
+from twonav_cli.stages.localize import STILL, Image, Located
 from twonav_cli.stages.sim3d_stage import Sim3dOptions, Sim3dStage
 
 CLOCK = Clock(3, 7, 0.0)
@@ -40,6 +42,21 @@ def stage(shared: Sim3dStage, monkeypatch: pytest.MonkeyPatch) -> Sim3dStage:
     return shared
 
 
+class Liar:
+    """A localizer that makes something else of the truth, and remembers what it was told."""
+
+    def __init__(self, lie: Callable[[], Pose]) -> None:
+        self.lie = lie
+        self.told: list[Pose | str] = []
+
+    def __call__(self, image: Image, motion: Pose) -> Located:
+        self.told.append(motion)
+        return Located(self.lie())
+
+    def forget(self) -> None:
+        self.told.append("forget")
+
+
 MakeLiar = Callable[[Callable[[Pose], Pose]], Sim3dStage]
 
 
@@ -48,7 +65,7 @@ def lying(shared: Sim3dStage, monkeypatch: pytest.MonkeyPatch) -> MakeLiar:
     """Return a function that gives the stage a localizer which makes something else of the truth."""
 
     def make(lie: Callable[[Pose], Pose]) -> Sim3dStage:
-        monkeypatch.setattr(shared, "localize", lambda image: lie(shared.world.pose()))
+        monkeypatch.setattr(shared, "localize", Liar(lambda: lie(shared.world.pose())))
         return shared
 
     return make
@@ -195,3 +212,41 @@ def test_an_estimate_in_a_wall_means_the_free_cell_beside_it(lying: MakeLiar, fl
 def test_an_estimate_far_outside_still_means_a_free_cell(lying: MakeLiar, floor: Floor) -> None:
     seen = lying(lambda pose: Pose(-50.0, 80.0, 0.0)).place(beside_the_left_wall(floor))
     assert not floor.maze.blocked[seen.cell]
+
+
+def test_the_localizer_is_told_what_odometry_reported_since_the_last_look(lying: MakeLiar, floor: Floor) -> None:
+    stage = lying(lambda pose: pose)
+    assert isinstance(stage.localize, Liar)
+    before = stage.place(free_with_free_neighbours(floor)).pose_true
+    ticks: list[Tick] = []
+    after = stage.act(Action.UP, CLOCK, lambda event: ticks.append(event) if isinstance(event, Tick) else None)
+    assert before is not None
+    assert after.observation.pose_true is not None
+    assert stage.localize.told[:2] == ["forget", STILL]
+    (motion,) = stage.localize.told[2:]
+    assert isinstance(motion, Pose)
+    reported = compose(before, motion)
+    assert 0 < distance_m(reported, after.observation.pose_true) < 0.1
+    assert distance_m(reported, ticks[-1].pose_believed) < 0.05
+
+
+def test_a_robot_that_is_carried_looks_but_is_not_told(lying: MakeLiar, floor: Floor) -> None:
+    stage = lying(lambda pose: pose)
+    assert isinstance(stage.localize, Liar)
+    stage.place(floor.maze.starts["s1"])
+    seen = stage.carry(free_with_free_neighbours(floor))
+    assert seen.true_cell == free_with_free_neighbours(floor)
+    assert stage.localize.told == ["forget", STILL, STILL]
+
+
+def test_what_the_localizer_says_of_a_picture_is_seen(shared: Sim3dStage, floor: Floor) -> None:
+    class Sure(Liar):
+        def __call__(self, image: Image, motion: Pose) -> Located:
+            return Located(Pose(1.0, 2.0, 0.5), belief, filtered)
+
+    belief = Belief(np.ones((1, 4)), np.ones((1, 3)), 0.1, 60.0, np.ones((1, 1), np.float32), GridFrame(0, 0, 1, 1, 1))
+    filtered = Filtered(0.9, 0.1, 0.1, np.zeros((2, 3), np.float32), np.zeros((0, 3)))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(shared, "localize", Sure(lambda: STILL))
+        seen = shared.place(free_with_free_neighbours(floor))
+    assert (seen.pose_estimate, seen.belief, seen.filtered) == (Pose(1.0, 2.0, 0.5), belief, filtered)

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from twonav_cli.belief import Belief
 from twonav_cli.events import (
     Clock,
     Event,
@@ -98,6 +99,18 @@ def fake_image(pose: Pose) -> np.ndarray:
     return np.clip(image, 0, 255).astype(np.uint8)
 
 
+def fake_belief(*places: tuple[float, float, float], lost: float = 0.1) -> Belief:
+    """What a picture says: weight, x_m, y_m of every place, likeliest first; each fills 5 x 5 bins of 0.27 m."""
+    frame = GridFrame(-0.3, -0.2, 0.27, 37, 54)
+    grid = np.zeros(frame.shape, dtype=np.float32)
+    for weight, x_m, y_m in places:
+        row, col = frame.cell_at(x_m, y_m)
+        grid[row - 2 : row + 3, col - 2 : col + 3] += 0.03 * weight
+        grid[row, col] += 0.25 * weight
+    rows = np.array([(*place, 0.1) for place in places])
+    return Belief(rows, np.array([(1.0, 0.0, 0.1)]), lost, 60.0, grid, frame)
+
+
 class FakeGame:
     """Walks the shortest way to every goal that is asked for; `pause_s` is the time between ticks."""
 
@@ -145,7 +158,8 @@ class FakeGame:
         outcome = "reached" if after != before else "blocked"
         values = self.q[index, before.row, before.col]
         yield StepTaken(
-            self.clock, goal, before, action, after, outcome, values, td, True, after, pose, off(pose, 0.06)
+            self.clock, goal, before, action, after, outcome, values, td, True, after, pose, off(pose, 0.06),
+            belief=fake_belief((0.7, *off(pose, 0.06)[:2]), (0.3, 11.0, 8.0)),
         )  # fmt: skip
 
     def pose(self, action: int, before: Cell | None = None, after: Cell | None = None, share: float = 1.0) -> Pose:

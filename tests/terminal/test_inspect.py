@@ -25,10 +25,12 @@ from twonav_cli.events import (
 )
 from twonav_cli.geometry import Pose
 from twonav_cli.maze import Cell, Maze
+from twonav_cli.recording.looks import LookSummary
 from twonav_cli.recording.recorder import Recorder
+from twonav_cli.recording.rehearsal import driven_run
 from twonav_cli.recording.trained_goals import TrainedGoal
 from twonav_cli.terminal.console import out
-from twonav_cli.terminal.inspect import because, run_inspect
+from twonav_cli.terminal.inspect import because, looks_line, run_inspect
 
 MAZE = Maze(np.zeros((2, 4), dtype=np.bool_), {"bed": Cell(0, 0), "sofa": Cell(1, 3)}, {"door": Cell(0, 3)})
 
@@ -182,3 +184,23 @@ def test_of_a_mapping_it_names_every_warning_and_both_of_the_largest_jumps(
             recorder(event)
     failed = "look at it: timeline keyframe, #1 (scan matching failed), #1"
     assert any(line.startswith(failed) for line in told(path, capsys))
+
+
+def test_inspect_says_how_many_looks_were_wrong_and_how_sure_the_robot_was_then() -> None:
+    assert looks_line(LookSummary(200, 3, 0.412, 0.98)) == (
+        "looks: 200, 3 of them (1.5 %) more than 0.5 m off; confidence (median) 0.41 in these, 0.98 in the others"
+    )
+    assert looks_line(LookSummary(7, 0, None, 0.9)).endswith("confidence (median) - in these, 0.90 in the others")
+
+
+def test_the_looks_of_a_driven_run_are_printed_and_in_the_json(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "run.rrd"
+    with Recorder(path, "3d") as recorder:
+        for event in driven_run(1):
+            recorder(event)
+    run_inspect(path, as_json=True)
+    looks = json.loads(capsys.readouterr().out)["looks"]
+    assert (looks["wrong"], looks["confidence_wrong"]) == (0, None)
+    assert looks["looks"] > 10

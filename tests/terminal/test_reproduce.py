@@ -1,4 +1,4 @@
-"""`twonav reproduce` as a user meets it: a table, its files, one object for scripts, one line for every mistake."""
+"""`twonav reproduce` of the tables about mazes: a table, its files, one object for scripts, one line for mistakes."""
 
 from __future__ import annotations
 
@@ -33,6 +33,8 @@ class Ended(NamedTuple):
 
 
 Run = Callable[..., Ended]
+
+WITH_SCENE = "table3, table4, fig7, table7, table8, fig8"
 
 
 @pytest.fixture
@@ -155,7 +157,7 @@ def test_runs_that_gave_up_are_named_and_have_no_mean(run: Run, monkeypatch: pyt
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (["tabel5"], "unknown table 'tabel5'; did you mean 'table5'? Known: table5, table6,"),
+        (["tabel5"], "unknown table 'tabel5'; did you mean 'table5'? Known: table3, table4, fig7, table5, table6,"),
         (["table5", "--repeats", "0"], "--repeats must be at least 1: 0 was given"),
         (["table5", "--mazes", "0"], "--mazes must be at least 1: 0 was given"),
         (["table5", "--processes", "0"], "--processes must be at least 1: 0 was given"),
@@ -164,8 +166,13 @@ def test_runs_that_gave_up_are_named_and_have_no_mean(run: Run, monkeypatch: pyt
         (["table7", "--scene", "nowhere"], "unknown scene 'nowhere'"),
         (["all", "--scene", "nowhere"], "unknown scene 'nowhere'"),
         (["all", "--mazes", "0"], "--mazes must be at least 1"),
-        (["table5", "--scene", "nowhere"], "--scene is for table7, table8, fig8: table5 does not use it"),
-        (["sensitivity", "--scene", "apartment"], "--scene is for table7, table8, fig8: sensitivity does not use it"),
+        (["table5", "--scene", "nowhere"], f"--scene is for {WITH_SCENE}: table5 does not use it"),
+        (["sensitivity", "--scene", "apartment"], f"--scene is for {WITH_SCENE}: sensitivity does not use it"),
+        (["table5", "--quick"], "--quick is for table3, table4, fig7: table5 does not use it"),
+        (["all", "--images", "5"], "--images is for table3, table4, fig7: all does not use it"),
+        (["fig8", "--device", "cpu"], "--device is for table3, table4, fig7: fig8 does not use it"),
+        (["table6", "--networks", "cnn-7"], "--networks is for table3, table4, fig7: table6 does not use it"),
+        (["all", "--only-finished"], "--only-finished is for table3, table4, fig7: all does not use it"),
         (["table8", "--mazes", "3"], "--mazes is for table5, table6, sensitivity: table8 does not use it"),
     ],
 )

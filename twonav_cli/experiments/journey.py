@@ -30,7 +30,7 @@ from twonav_cli.events import (
     TrialStarted,
 )
 from twonav_cli.experiments.new_goal import GoalWish, add_goal
-from twonav_cli.experiments.trials import Passed, failure_of
+from twonav_cli.experiments.trials import Passed, failure_of, tell_look
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell, GridFrame
 from twonav_cli.learner.agent import Agent
@@ -148,6 +148,7 @@ class Journey:
             if name not in self.agent.goal_names:
                 raise unknown_name("goal", name, self.agent.goal_names)
         self._seen = self.stage.place(start)
+        tell_look(self._seen, self._clock(), self._sink)
         self._sink(QSnapshot(self._clock(), self.agent.table(), self.agent.td_table()))
         try:
             while True:
@@ -197,6 +198,7 @@ class Journey:
         step = StepTaken(
             self._clock(), goal, before.cell, action, self._seen.cell, result.outcome, values, td_errors, greedy,
             self._seen.true_cell, self._seen.pose_true, self._seen.pose_estimate, self._seen.image,
+            self._seen.belief, self._seen.filtered,
         )  # fmt: skip
         self._paced(step)
         return Passed(self._seen.cell, blocked)
@@ -272,9 +274,10 @@ class Journey:
         """Carry the robot to another free cell at random, without telling it."""
         before = self._seen.pose_true or Pose(*self.frame.centre_of(self._seen.true_cell), 0.0)
         free = [cell for cell in self.maze.free_cells if cell != self._seen.true_cell] or self.maze.free_cells
-        self._seen = self.stage.place(free[int(self._rng.integers(len(free)))])
+        self._seen = self.stage.carry(free[int(self._rng.integers(len(free)))])
         after = self._seen.pose_true or Pose(*self.frame.centre_of(self._seen.true_cell), 0.0)
         self._sink(Kidnapped(self._clock(), before, after))
+        tell_look(self._seen, self._clock(), self._sink)
         self._sink(Note(self._clock(), "WARN", f"kidnapped: carried to ({after.x_m:.1f}, {after.y_m:.1f}) m"))
 
     def _paced(self, event: Event) -> None:

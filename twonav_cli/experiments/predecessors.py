@@ -6,25 +6,23 @@ Everything heavy is imported when it is loaded.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-import numpy as np
-from numpy.typing import NDArray
 
 from twonav_cli.checkpoint import CARD_FILE, read_card
 from twonav_cli.errors import TwonavError
 from twonav_cli.geometry import Pose
 from twonav_cli.paths import checkpoints_dir, runs_dir
+from twonav_cli.rng import stream
 
 if TYPE_CHECKING:
+    from twonav_cli.belief import Belief
     from twonav_cli.learner.agent import Agent
+    from twonav_cli.localizer.belief_filter import BeliefFilter
     from twonav_cli.mapping.floor import Floor
+    from twonav_cli.stages.localize import Image, Localize
     from twonav_cli.stages.maze_stage import MazeStage
     from twonav_cli.stages.sim3d_stage import Sim3dOptions, Sim3dStage
-
-Localize = Callable[[NDArray[np.uint8]], Pose]
 
 STAGE_BEFORE = {"3d": "maze"}
 """The stage whose agent a stage goes on from (2d comes between them once it exists)."""
@@ -113,18 +111,54 @@ def load_agent(floor: Floor, stage: str, chosen: Path | None = None, own_first: 
     return agent
 
 
-def load_localize(floor: Floor, chosen: Path | None = None, own_first: bool = False) -> Localize:
-    """Load the scene's localizer as a function from an image [84, 84, 3] to a pose.
+def load_localize(
+    floor: Floor, chosen: Path | None = None, own_first: bool = False, *, filtered: bool = False, seed: int = 0
+) -> Localize:
+    """Load the scene's localizer as what the 3D stage asks at every look.
+
+    Args:
+        floor: Whose.
+        chosen: Folder of the scene's checkpoints that the user named.
+        own_first: Whether a run of the user's own goes before the shipped one.
+        filtered: Fuse its looks with odometry (Eq. 4-5); else each picture says by itself where it was taken.
+        seed: Seed of the run, for the filter's own stream.
 
     Raises:
-        TwonavError: No checkpoint, or one that is damaged or belongs to another scene.
+        TwonavError: No checkpoint, or one that is damaged or belongs to another scene; a filter without beliefs.
     """
     from twonav_cli.localizer.estimator import Estimator
+    from twonav_cli.stages.localize import FromEveryLook, FromPicture, Located
 
     scene, digest = floor.scene, floor.map.digest
     folder = checkpoint_folder(scene.name, "localizer", chosen, own_first, scene.digest, digest, floor.map_source)
     estimator = Estimator.load(folder, floor.scene.digest)
-    return lambda image: estimator.estimate(image).pose
+    if filtered and not estimator.gives_beliefs:
+        raise TwonavError(
+            f"the localizer in {folder} gives poses only, and the filter needs to know how sure it is: "
+            "take --localizer raw"
+        )
+
+    def believe(image: Image) -> Belief:
+        return estimator.estimate(image)
+
+    def ask(image: Image) -> Located:
+        if not estimator.gives_beliefs:
+            return Located(Pose(*(float(value) for value in estimator.estimate_many(image[None])[0])))
+        belief = believe(image)
+        return Located(belief.pose, belief)
+
+    return FromEveryLook(believe, _filter_for(floor, seed)) if filtered else FromPicture(ask)
+
+
+def _filter_for(floor: Floor, seed: int) -> BeliefFilter:
+    """Return a filter that knows the odometry's noise and the floor on which the robot can be."""
+    from twonav_cli.config import OdometryNoise
+    from twonav_cli.dataset.poses import reachable_floor
+    from twonav_cli.localizer.belief_filter import BeliefFilter, FilterConfig, FreeFloor
+
+    occupied, frame = floor.map.occupied, floor.map.frame
+    free = FreeFloor(reachable_floor(occupied, frame, list(floor.scene.starts.values())), frame)
+    return BeliefFilter(FilterConfig(), OdometryNoise(), stream(seed, "belief"), free)
 
 
 def make_stage(

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from twonav_cli.events import Clock, QSnapshot, Sink, StepTaken, TrialEnded, TrialStarted
+from twonav_cli.events import Clock, Looked, QSnapshot, Sink, StepTaken, TrialEnded, TrialStarted
+from twonav_cli.experiments.belief_evidence import belief_sentence
 from twonav_cli.experiments.learning_progress import (
     LearningOutcome,
     after_trials,
@@ -139,7 +140,7 @@ def run_trial(
         start: Cell to begin in; the goal's own cell is an arrival without an action.
         rng: Stream "explore".
         clock: When the trial begins.
-        sink: Gets TrialStarted, StepTaken and TrialEnded.
+        sink: Gets TrialStarted, Looked (where there is a camera), StepTaken and TrialEnded.
         learn: Whether the agent observes what happens.
         explore: False takes greedy actions only, which can circle until the actions are used up.
 
@@ -149,6 +150,7 @@ def run_trial(
     goal_cell, name = agent.goal_cells[goal], agent.goal_names[goal]
     seen = stage.place(start)
     sink(TrialStarted(clock, name, start, seen.pose_true))
+    tell_look(seen, clock, sink)
     passed: list[Passed] = []
     while start != goal_cell and seen.cell != goal_cell and len(passed) < agent.config.trial_limit_steps:
         clock = replace(clock, step=clock.step + 1, time_s=stage.time_s)
@@ -213,9 +215,17 @@ def _take_step(
             pose_true=seen.pose_true,
             pose_estimate=seen.pose_estimate,
             image=seen.image,
+            belief=seen.belief,
+            filtered=seen.filtered,
         )
     )
     return seen, blocked
+
+
+def tell_look(seen: Observation, clock: Clock, sink: Sink) -> None:
+    """Send what a robot that stands sees and makes of it, in a stage with a camera."""
+    if seen.image is not None and seen.pose_true is not None:
+        sink(Looked(clock, seen.pose_true, seen.image, seen.pose_estimate, seen.belief, seen.filtered))
 
 
 def failure_of(outcome: str, seen: Observation, goal_cell: Cell, passed: list[Passed]) -> tuple[str, str]:
@@ -224,9 +234,11 @@ def failure_of(outcome: str, seen: Observation, goal_cell: Cell, passed: list[Pa
         return "", ""
     believed, true = tuple(seen.cell), tuple(seen.true_cell)
     if outcome == "false-arrival":
-        return "mislocalized", f"Arrival was declared in {believed}, but the robot stands in {true}."
+        declared = f"Arrival was declared in {believed}, but the robot stands in {true}."
+        return "mislocalized", f"{declared} {belief_sentence(seen)}".rstrip()
     if believed != true:
-        return "mislocalized", f"At the end the robot believes to be in {believed} and stands in {true}."
+        ended = f"At the end the robot believes to be in {believed} and stands in {true}."
+        return "mislocalized", f"{ended} {belief_sentence(seen)}".rstrip()
     last = passed[-BLOCKED_LOOK_BACK:]
     blocked = sum(step.blocked for step in last)
     if blocked >= BLOCKED_AT_LEAST:

@@ -20,6 +20,16 @@ class Replay:
     end_s: float
 
 
+def _belief_tab(frame: GridFrame) -> rrb.Horizontal:
+    beside = rrb.Vertical(
+        rrb.Horizontal(views.camera(), views.confidence(), column_shares=[1, 1]),
+        rrb.Horizontal(views.errors(), views.spread(), column_shares=[1, 1]),
+        views.log(["trial", "sim_time"]),
+        row_shares=[4, 4, 3],
+    )
+    return rrb.Horizontal(views.belief_view(frame), beside, column_shares=[5, 4], name="Belief")
+
+
 def _q_tab(goals: list[str], frame: GridFrame) -> rrb.Horizontal:
     chosen = rrb.Vertical(
         views.table_view(CHOSEN, "Goal driven to: value of the best action, greedy action", frame),
@@ -61,7 +71,7 @@ def drive_blueprint(goals: list[str], frame: GridFrame, replay: Replay | None) -
             on the map and in the log (the layout cannot place the cursor elsewhere).
     """
     left = rrb.Vertical(
-        views.map_view(frame, "Map: is (blue), believes (magenta), localizer (orange)"),
+        views.map_view(frame, "Map: is (blue), believes (magenta), last look (orange), what its picture says (violet)"),
         views.states(),
         row_shares=[7, 2],
     )
@@ -88,6 +98,7 @@ def drive_blueprint(goals: list[str], frame: GridFrame, replay: Replay | None) -
     time = rrb.TimePanel(timeline="sim_time", state="collapsed", play_state="following", time_selection=selection)
     tabs = rrb.Tabs(
         drive,
+        _belief_tab(frame),
         _q_tab(goals, frame),
         views.td_grid(goals, frame, 4),
         _learning_tab(),

@@ -106,11 +106,13 @@ def cost_patch(trace: DriveTrace) -> CostPatch:
     return CostPatch(levels.astype(np.uint8), trace.cost_frame)
 
 
-def _pose_array(poses: Sequence[Pose]) -> FloatArray:
+def pose_array(poses: Sequence[Pose]) -> FloatArray:
+    """Return poses as an array [n, 3]."""
     return np.array(poses, dtype=np.float64).reshape(-1, 3)
 
 
-def _arrows(poses: FloatArray) -> Any:
+def arrows(poses: FloatArray) -> Any:
+    """Return an arrow for each pose [n, 3]."""
     heading = np.stack([np.cos(poses[:, 2]), np.sin(poses[:, 2])], axis=1)
     return rr.Arrows2D.columns(origins=poses[:, :2], vectors=ARROW_M * heading)
 
@@ -122,7 +124,8 @@ def _outlines(poses: FloatArray) -> FloatArray:
     return np.asarray(_OUTLINE @ rotation + poses[:, None, :2], dtype=np.float64)
 
 
-def _errors(name: str, true: FloatArray, other: FloatArray) -> Filled:
+def error_columns(name: str, true: FloatArray, other: FloatArray) -> Filled:
+    """Return how far other poses [n, 3] are from the true ones [n, 3], in metres and degrees."""
     distance = np.hypot(*(other - true)[:, :2].T)
     turn = np.degrees(np.abs(wrap_angles(other[:, 2] - true[:, 2])))
     return [
@@ -133,24 +136,24 @@ def _errors(name: str, true: FloatArray, other: FloatArray) -> Filled:
 
 def pose_columns(values: Sequence[tuple[Pose, Pose]]) -> Filled:
     """True and believed pose of a tick: arrows, the line between them, the outline, the errors."""
-    true, believed = _pose_array([v[0] for v in values]), _pose_array([v[1] for v in values])
+    true, believed = pose_array([v[0] for v in values]), pose_array([v[1] for v in values])
     between = np.stack([true[:, :2], believed[:, :2]], axis=1).astype(np.float32)
     # A row of a transform replaces all of it, so the turn to y down comes with every row.
     here = np.concatenate([true[:, :2], np.zeros((len(true), 1))], axis=1)
     return [
-        ("drive/map/robot/true", _arrows(true)),
-        ("drive/map/robot/believed", _arrows(believed)),
+        ("drive/map/robot/true", arrows(true)),
+        ("drive/map/robot/believed", arrows(believed)),
         ("drive/map/robot/error", rr.LineStrips2D.columns(strips=between)),
         ("drive/map/robot/footprint", rr.LineStrips2D.columns(strips=_outlines(true).astype(np.float32))),
         ("drive/map/here", rr.Transform3D.columns(translation=here, scale=np.tile((1.0, -1.0, 1.0), (len(here), 1)))),
-        *_errors("believed", true, believed),
+        *error_columns("believed", true, believed),
     ]
 
 
 def estimate_columns(values: Sequence[tuple[Pose, Pose]]) -> Filled:
-    """True pose and the localizer's pose after an action."""
-    true, estimate = _pose_array([v[0] for v in values]), _pose_array([v[1] for v in values])
-    return [("drive/map/robot/estimate", _arrows(estimate)), *_errors("localizer", true, estimate)]
+    """True pose and the pose that the robot takes for its own after a look."""
+    true, estimate = pose_array([v[0] for v in values]), pose_array([v[1] for v in values])
+    return [("drive/map/robot/estimate", arrows(estimate)), *error_columns("estimate", true, estimate)]
 
 
 def position_columns(values: Sequence[tuple[float, float]]) -> Filled:
@@ -160,7 +163,7 @@ def position_columns(values: Sequence[tuple[float, float]]) -> Filled:
 
 def scan_columns(values: Sequence[tuple[Pose, NDArray[np.float32]]]) -> Filled:
     """Laser points in the map frame; beams that read the cut (the largest range) are left out."""
-    poses, scans = _pose_array([v[0] for v in values]), np.stack([v[1] for v in values])
+    poses, scans = pose_array([v[0] for v in values]), np.stack([v[1] for v in values])
     hit = scans < scans.max(axis=1, keepdims=True) - 1e-4
     angles = poses[:, 2:] + BEAM_ANGLES_RAD
     xs = poses[:, :1] + LIDAR_FORWARD_M * np.cos(poses[:, 2:]) + scans * np.cos(angles)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import rerun as rr
 
-from twonav_cli.events import Clock, Kidnapped, StepTaken, Tick, TrialEnded, TrialStarted
+from twonav_cli.events import Clock, Kidnapped, Looked, StepTaken, Tick, TrialEnded, TrialStarted
 from twonav_cli.grid import GridFrame
 from twonav_cli.maze import Action
 from twonav_cli.recording.columns import Marks, cost_patch, goal_errors, thinned_candidates
@@ -62,6 +62,12 @@ class DriveRows:
             put("cost", cost_patch(event.drive), clock)
         if event.image is not None:
             put("camera", event.image.copy(), clock)
+
+    def looked(self, event: Looked) -> None:
+        """Buffer what a robot sees that stands, and where it believes to be."""
+        if event.pose_estimate is not None:
+            self._file.put("estimate", (event.pose_true, event.pose_estimate), event.clock, Detail.POSES)
+        self._file.put("camera", event.image.copy(), event.clock)
 
     def step(self, event: StepTaken) -> None:
         """Buffer one action."""

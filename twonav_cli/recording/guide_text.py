@@ -13,19 +13,27 @@ _DRIVE = """
 3. The log names each failure with its **cause** and the **evidence** for it. Click a line to move the cursor.
 4. A long red line on the map means the robot believed to be elsewhere: look at *Position error* and at the camera.
    Dots with a trial number are the places where trials failed; they accumulate.
+5. **Belief** tells why it believed so. Violet floor at the blue arrow: the picture was right and the filter has not
+   followed yet. Violet floor elsewhere: the picture looks like another place. Violet in several places: it did not
+   know, and *Confidence* should be low.
 
 ## The map (metres, y up; row 0 of the maze is the top)
 | colour | what |
 |---|---|
 | blue arrow, outline | where the robot is |
 | magenta arrow | where the controller believes it is (odometry since the last estimate) |
-| orange arrow | the localizer's estimate after an action |
+| orange arrow | the estimate after the last look: the filter's, or without one the localizer's |
+| violet floor | what the last picture says by itself: dark is likely (each shade is a factor of 1.6) |
+| violet arrow | the pose of that picture alone, where a filter makes something else of it |
+| violet dots with a number | other places where the robot could be, and their probability |
 | red line | the error between is and believes |
 | light blue line | way of this trial |
 | orange dots | range finder (beams beyond its cut are left out) |
 | black circle | the goal of this trial |
 
 ## The other tabs
+* **Belief**: the map with the filter's particles (magenta dots), how sure the robot was after every look (the estimate,
+  and the picture alone), how widely its belief was spread, and both errors. The simulator's truth has no belief.
 * **Q-values**: value of the best action per cell and the greedy action, for the goal driven to and for every goal;
   bright is close to the goal. Unvisited cells keep their initial value.
 * **TD errors**: per goal and cell, how wrong the value was at the latest visit; pink is what was never tried.

@@ -14,6 +14,7 @@ from rerun.chunk import RrdReader
 
 from twonav_cli.errors import TwonavError
 from twonav_cli.recording.flight import has_failed
+from twonav_cli.recording.looks import CONFIDENCE, ERROR, LookSummary, look_summary
 from twonav_cli.recording.mapped import MappingSummary, mapping_summary
 from twonav_cli.recording.trained_goals import TrainedGoal, Walked, trained_goals
 
@@ -90,6 +91,8 @@ class Summary:
     """How the mapping went, in a recording of the mapper."""
     warnings: tuple[str, ...] = ()
     """What the run warned of, such as a log whose odometry jumps."""
+    looks: LookSummary | None = None
+    """How often the robot took itself for somewhere else, where a localizer says how sure it is."""
 
     @property
     def failures(self) -> tuple[TrialRow, ...]:
@@ -137,6 +140,7 @@ def summarize(path: Path) -> Summary:
         whole=whole,
         mapping=mapping_summary(list(_rows(chunks.get("/keyframes", []))), list(_rows(chunks.get("/drawings", [])))),
         warnings=tuple(row["text"] for row in _rows(chunks.get("/warnings", []))),
+        looks=look_summary(chunks.get(ERROR, []), chunks.get(CONFIDENCE, [])),
     )
 
 
@@ -165,7 +169,7 @@ def _chunks(path: Path) -> tuple[dict[str, list[Any]], bool]:
 
 _READ = {
     "/trials", "/totals", "/choices", "/learned", "/added", "/ending", "/keyframes", "/drawings", "/warnings",
-    "/__properties/run",
+    "/__properties/run", ERROR, CONFIDENCE,
 }  # fmt: skip
 
 

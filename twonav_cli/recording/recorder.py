@@ -20,6 +20,7 @@ from twonav_cli.errors import unknown_name
 from twonav_cli.events import Clock, Event
 from twonav_cli.grid import GridFrame
 from twonav_cli.maze import Maze
+from twonav_cli.recording.belief_rows import BeliefRows
 from twonav_cli.recording.blueprint import Replay, drive_blueprint, fitting_blueprint, maze_blueprint
 from twonav_cli.recording.choice_rows import ChoiceRows
 from twonav_cli.recording.drive_rows import DriveRows, unfinished
@@ -34,7 +35,7 @@ from twonav_cli.recording.scenery import write_floor, write_goals, write_looks
 from twonav_cli.recording.snapshots import AT_ONCE, TableSnapshots
 from twonav_cli.recording.table_scenery import write_table_scenery
 
-APPLICATION_IDS = {"maze": "twonav_maze_2", "3d": "twonav_mujoco_2", "localizer": "twonav_fit", "map": "twonav_map"}
+APPLICATION_IDS = {"maze": "twonav_maze_2", "3d": "twonav_mujoco_3", "localizer": "twonav_fit", "map": "twonav_map"}
 """Stage to application id: one id, one layout, for the viewer keeps the layout of the first file of an id."""
 
 KIND_TIMELINES = {"localizer": FITTING_TIMELINES, "map": MAPPING_TIMELINES}
@@ -177,7 +178,7 @@ class Recorder:
         write_looks(always, goals.names)
         write_table_scenery(always, maze, frame)
         drive, learning = DriveRows(self._file, frame, goals), LearningRows(self._file, maze, goals)
-        choices = ChoiceRows(self._file, goals, event.clock)
+        choices, beliefs = ChoiceRows(self._file, goals, event.clock), BeliefRows(self._file)
         tables = TableSnapshots(self._file, maze, frame, goals, at_once=self._at_once)
         self._finish = [learning.write_batches, tables.close]
         adding: list[Callable[[Any], None]] = [choices.goal_added, learning.goal_added, tables.goal_added]
@@ -186,7 +187,8 @@ class Recorder:
             events.GoalChosen: [choices.goal_chosen, tables.goal_chosen],
             events.TrialStarted: [self._trial_started, *started],
             events.Tick: [drive.tick],
-            events.StepTaken: [drive.step, self._step_taken],
+            events.Looked: [drive.looked, beliefs.look],
+            events.StepTaken: [drive.step, beliefs.look, self._step_taken],
             events.TrialEnded: [drive.trial_ended, learning.trial_ended, self._trial_ended],
             events.TrialBatch: [choices.batch, learning.batch],
             # Its sentence first: the trials that it ends take it along.

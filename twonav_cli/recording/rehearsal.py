@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twonav_cli import events
+from twonav_cli.belief import Belief
 from twonav_cli.events import Clock, DriveTrace, Event
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell, GridFrame
@@ -23,6 +24,8 @@ TICK_S = 0.1
 CANDIDATES = 105
 CANDIDATE_POSES = 12
 COST_CELLS = 48
+BELIEF_FRAME = GridFrame(-0.27, -0.37, 0.27, 37, 54)
+PARTICLES = 100
 GOALS = ("kitchen", "sofa", "bed", "desk", "bath", "hall", "balcony", "wardrobe", "table", "shelf")
 
 
@@ -102,6 +105,24 @@ def picture(pose: Pose) -> NDArray[np.uint8]:
     return image
 
 
+def belief_about(pose: Pose, share: float) -> Belief:
+    """Return what a picture says that fits a pose and, with the rest of the probability, one two metres to the left."""
+    xs, ys = BELIEF_FRAME.centres()
+    places = np.array([(share, pose.x_m, pose.y_m, 0.08), (1.0 - share, pose.x_m - 2.0, pose.y_m, 0.2)])
+    grid = sum(
+        weight * np.exp(-((xs[None] - x_m) ** 2 + (ys[:, None] - y_m) ** 2) / (2 * (sigma_m + 0.1) ** 2))
+        for weight, x_m, y_m, sigma_m in places
+    )
+    grid = (grid / max(float(np.sum(grid)), 1e-12)).astype(np.float32)
+    return Belief(places, np.array([(1.0, pose.theta_rad, 0.03)]), 0.02, 60.0, grid, BELIEF_FRAME)
+
+
+def filtered_about(pose: Pose, rng: np.random.Generator) -> events.Filtered:
+    """Return what a filter makes of it: particles about the pose, and one other place."""
+    particles = (np.array(pose) + rng.normal(0, 0.08, (PARTICLES, 3))).astype(np.float32)
+    return events.Filtered(0.9, 0.11, 0.08, particles, np.array([(0.08, pose.x_m - 2.0, pose.y_m)]))
+
+
 def started(seed: int = 0, stage: str = "3d") -> events.RunStarted:
     """Return the first event of a run."""
     maze, frame, occupied = rooms()
@@ -143,7 +164,7 @@ def driven_trial(
         seen = frame.cell_at(believed.x_m, believed.y_m)
         yield events.StepTaken(
             now, goal, before, action, seen, "reached", rng.random(4) * 20 + 60, np.abs(errors), True, cell, at,
-            believed, picture(at),
+            believed, picture(at), belief_about(at, 0.8), filtered_about(believed, rng),
         )  # fmt: skip
     shortest = int(maze.distances_to(maze.goals[goal])[start])
     evidence = f"the estimate was {drift:.2f} m off for the last {len(way) // 2} actions" if cause else ""

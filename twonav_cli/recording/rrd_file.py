@@ -17,6 +17,7 @@ import rerun.blueprint as rrb
 
 from twonav_cli.errors import TwonavError
 from twonav_cli.events import Clock
+from twonav_cli.recording.belief_columns import BELIEF_COLUMNS
 from twonav_cli.recording.columns import COLUMNS
 from twonav_cli.recording.flight import Detail
 from twonav_cli.recording.mapping_columns import MAPPING_COLUMNS
@@ -34,7 +35,7 @@ MAPPING_TIMELINES = ("keyframe", None, "time")
 
 Timelines = tuple[str, str | None, str]
 
-_FILL = COLUMNS | MAPPING_COLUMNS
+_FILL = COLUMNS | BELIEF_COLUMNS | MAPPING_COLUMNS
 
 
 def checked_path(path: Path) -> Path:
@@ -57,7 +58,7 @@ def checked_path(path: Path) -> Path:
 
 
 class RrdFile:
-    """Buffers rows by track (see `columns.COLUMNS`, `mapping_columns.MAPPING_COLUMNS`) and ships them."""
+    """Buffers rows by track (see `COLUMNS` in `columns`, `belief_columns` and `mapping_columns`) and ships them."""
 
     def __init__(self, path: Path, application_id: str, timelines: Timelines = TIMELINES) -> None:
         """Open the file.

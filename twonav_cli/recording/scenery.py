@@ -112,6 +112,7 @@ _LOOKS: dict[str, Any] = {
     "drive/map/robot/true": _arrow(palette.TRUE_COLOUR, 34.0),
     "drive/map/robot/believed": _arrow(palette.BELIEVED_COLOUR, 33.0),
     "drive/map/robot/estimate": _arrow(palette.ESTIMATE_COLOUR, 32.0),
+    "drive/map/robot/picture": _arrow(palette.PICTURE_COLOUR, 31.5),
     "drive/map/robot/error": _strip(palette.ERROR_COLOUR, 0.03, 31.0),
     "drive/map/robot/footprint": _strip(palette.TRUE_COLOUR, 0.02, 30.0),
     "drive/map/robot/trail": _strip(palette.TRAIL_COLOUR, 0.02, 10.0),
@@ -123,13 +124,29 @@ _LOOKS: dict[str, Any] = {
     "drive/map/dwa/candidates": rr.LineStrips2D.from_fields(radii=0.008, draw_order=25.0),
     "drive/map/dwa/best": _strip(palette.CHOSEN_COLOUR, 0.016, 26.0),
     "drive/map/dwa/cost": rr.SegmentationImage.from_fields(opacity=0.55, draw_order=2.0),
+    "drive/map/belief/heat": rr.SegmentationImage.from_fields(opacity=0.8, draw_order=0.5),
+    "drive/map/belief/places": rr.Points2D.from_fields(
+        colors=packed([palette.PICTURE_COLOUR]), radii=0.11, draw_order=23.0
+    ),
+    "drive/map/belief/places/weights": rr.Points2D.from_fields(
+        colors=packed([0xFFFFFFFF]), radii=0.03, draw_order=23.5, show_labels=True
+    ),
+    "drive/map/belief/particles": rr.Points2D.from_fields(
+        colors=packed([palette.BELIEVED_COLOUR]), radii=0.02, draw_order=24.0
+    ),
     "drive/map/failures/all": rr.Points2D.from_fields(radii=0.09, draw_order=21.0),
     "drive/map/failures/latest": rr.Points2D.from_fields(radii=0.12, draw_order=22.0, show_labels=True),
     "drive/map/kidnaps": _strip(palette.ERROR_COLOUR, 0.03, 12.0),
     "metrics/position_error/believed": _line("believed", palette.BELIEVED_COLOUR),
-    "metrics/position_error/localizer": _dots("localizer, after the action", palette.ESTIMATE_COLOUR),
+    "metrics/position_error/estimate": _dots("estimate, after a look", palette.ESTIMATE_COLOUR),
+    "metrics/position_error/picture": _dots("that picture alone", palette.PICTURE_CURVE_COLOUR),
     "metrics/heading_error/believed": _line("believed", palette.BELIEVED_COLOUR),
-    "metrics/heading_error/localizer": _dots("localizer, after the action", palette.ESTIMATE_COLOUR),
+    "metrics/heading_error/estimate": _dots("estimate, after a look", palette.ESTIMATE_COLOUR),
+    "metrics/heading_error/picture": _dots("that picture alone", palette.PICTURE_CURVE_COLOUR),
+    "metrics/confidence/estimate": _line("of the estimate", palette.ESTIMATE_COLOUR),
+    "metrics/confidence/picture": _line("of the picture alone", palette.PICTURE_CURVE_COLOUR),
+    "metrics/spread/filter": _line("of the filter", palette.ESTIMATE_COLOUR),
+    "metrics/spread/picture": _line("of the picture's likeliest place", palette.PICTURE_CURVE_COLOUR),
     "metrics/q_values": _ACTIONS,
     "learning/steps": rr.SeriesLines(
         names=["taken", "shortest"], colors=packed([palette.GOAL_COLOURS[0], palette.SHORTEST_COLOUR]), widths=[1.6] * 2

@@ -131,8 +131,19 @@ def map_view(frame: GridFrame, name: str) -> rrb.Spatial2DView:
     """Return the floor plan."""
     return rrb.Spatial2DView(
         origin="/drive",
-        contents=["$origin/**", "- $origin/map/dwa/cost"],
+        contents=["$origin/**", "- $origin/map/dwa/cost", "- $origin/map/belief/particles"],
         name=name,
+        visual_bounds=bounds_of(frame),
+        background=DARK,
+    )
+
+
+def belief_view(frame: GridFrame) -> rrb.Spatial2DView:
+    """Return the floor plan with what the robot believes after its last look, without what hides it."""
+    return rrb.Spatial2DView(
+        origin="/drive",
+        contents=["$origin/**", "- $origin/map/dwa/**", "- $origin/map/goals/names", "- $origin/map/scan"],
+        name="Violet: what the last picture says alone; points: other places and their weights; dots: particles",
         visual_bounds=bounds_of(frame),
         background=DARK,
     )
@@ -150,6 +161,16 @@ def errors() -> rrb.Vertical:
         plot("/metrics/position_error", "Position error [m]", whole=False),
         plot("/metrics/heading_error", "Heading error [deg]", whole=False),
     )
+
+
+def confidence() -> rrb.TimeSeriesView:
+    """Return how sure the robot is of its pose after every look."""
+    return plot("/metrics/confidence", "Confidence, 0 to 1", whole=False, top=1.05, corner=rrb.Corner2D.LeftBottom)
+
+
+def spread() -> rrb.TimeSeriesView:
+    """Return how widely the belief is spread about the pose."""
+    return plot("/metrics/spread", "Spread [m]", whole=False)
 
 
 def about_tab() -> rrb.TextDocumentView:

@@ -39,6 +39,14 @@ class MazeStage:
         self._cell = cell
         return Observation(cell, cell)
 
+    def carry(self, cell: Cell) -> Observation:
+        """Put the robot into another free cell; in a maze it knows at once where it is.
+
+        Raises:
+            TwonavError: The cell is blocked or outside.
+        """
+        return self.place(cell)
+
     def act(self, action: int, clock: Clock, sink: Sink) -> ActionResult:
         """Move to the neighbouring cell, or stay where a wall is.
 

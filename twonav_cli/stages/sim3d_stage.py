@@ -1,20 +1,18 @@
 """The 3D stage: MuJoCo physics, the camera, and a pose that is only an estimate (§4.3.1).
 
 At every cell border the agent looks once: the estimated pose sets the grid cell. Between two looks the local
-controller trusts odometry from the last estimate.
+controller trusts odometry from the last estimate, and the localizer is told what odometry reported.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from twonav_cli.config import DriveConfig, OdometryNoise
 from twonav_cli.events import Clock, DriveTrace, Sink, Tick
-from twonav_cli.geometry import FloatArray, Pose, distance_m, wrap_angle
+from twonav_cli.geometry import FloatArray, Pose, distance_m, relative_pose, wrap_angle
 from twonav_cli.grid import Cell, GridFrame
 from twonav_cli.mapping.floor import Floor
 from twonav_cli.maze import Maze
@@ -24,14 +22,12 @@ from twonav_cli.scene.camera import Camera
 from twonav_cli.scene.laser import RangeFinder
 from twonav_cli.scene.robot_body import RobotBody
 from twonav_cli.scene.world import World
+from twonav_cli.stages.localize import STILL, Image, Localize, Located
 from twonav_cli.stages.stage import ActionResult, Observation
 
 AGREE_M, AGREE_RAD = 0.30, 0.5
 """A look and the odometry since the look before agree within this; odometry itself errs by 1 or 2 cm on one cell, the
 localizer by 13 cm in 95 % of its estimates (ours)."""
-
-Image = NDArray[np.uint8]
-Localize = Callable[[Image], Pose]
 
 
 @dataclass(frozen=True)
@@ -57,7 +53,7 @@ class Sim3dStage:
 
         Args:
             floor: Scene, map and maze.
-            localize: Pose from an image [84, 84, 3]; None takes the simulator's truth.
+            localize: Says where the robot is; None takes the simulator's truth.
             seed: Seed of the odometry noise and of the headings at places that name none.
             options: Base, controller and what to send along.
         """
@@ -87,14 +83,25 @@ class Sim3dStage:
 
     def place(self, cell: Cell) -> Observation:
         """Put the robot at the centre of a cell, with the scene's heading if the cell is a start."""
+        return self.place_at(self._pose_in(cell))
+
+    def place_at(self, pose: Pose) -> Observation:
+        """Put the robot at any pose and look; what it saw before is forgotten."""
+        if self.localize is not None:
+            self.localize.forget()
+        return self._carry_to(pose)
+
+    def carry(self, cell: Cell) -> Observation:
+        """Put the robot into a cell and look, without telling it: whoever filters believes what it believed."""
+        return self._carry_to(self._pose_in(cell))
+
+    def _pose_in(self, cell: Cell) -> Pose:
         heading = self._headings.get(cell)
         if heading is None:
             heading = float(self._placing.uniform(-np.pi, np.pi))
-        x_m, y_m = self.frame.centre_of(cell)
-        return self.place_at(Pose(x_m, y_m, heading))
+        return Pose(*self.frame.centre_of(cell), heading)
 
-    def place_at(self, pose: Pose) -> Observation:
-        """Put the robot at any pose and look."""
+    def _carry_to(self, pose: Pose) -> Observation:
         self.world.place(pose)
         self._body.settle()
         return self.look()
@@ -105,18 +112,24 @@ class Sim3dStage:
         self.world.place(Pose(x_m, y_m, self._headings.get(cell, 0.0)))
         return self.world.pose(), self.camera.image()
 
-    def look(self) -> Observation:
-        """Take a picture, estimate the pose and take it as the pose that the controller believes."""
+    def look(self, motion: Pose = STILL) -> Observation:
+        """Take a picture, estimate the pose and take it as the pose that the controller believes.
+
+        Args:
+            motion: How odometry says that the robot moved since the last look, in its frame then.
+        """
         true = self.world.pose()
         image = self.camera.image()
-        estimate = true if self.localize is None else self.localize(image)
-        self._believed = estimate
+        located = Located(true) if self.localize is None else self.localize(image, motion)
+        self._believed = located.pose
         return Observation(
-            cell=self._snap[self.frame.cell_at(estimate.x_m, estimate.y_m)],
+            cell=self._snap[self.frame.cell_at(located.pose.x_m, located.pose.y_m)],
             true_cell=self.frame.cell_at(true.x_m, true.y_m),
             pose_true=true,
-            pose_estimate=estimate,
+            pose_estimate=located.pose,
             image=image,
+            belief=located.belief,
+            filtered=located.filtered,
         )
 
     def act(self, action: int, clock: Clock, sink: Sink) -> ActionResult:
@@ -130,7 +143,7 @@ class Sim3dStage:
             sink(Tick(moment, self.world.pose(), believed, scan_m, trace, image))
 
         outcome, expected = self._driver.drive_to(self._body, self._believed, target, on_tick, self.options.trace)
-        seen = self.look()
+        seen = self.look(relative_pose(self._believed, expected))
         return ActionResult(outcome, seen, _agree(expected, self._believed))
 
     def _beyond(self, cell: Cell, action: int) -> tuple[float, float]:

@@ -8,7 +8,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from twonav_cli.events import Clock, Sink
+from twonav_cli.belief import Belief
+from twonav_cli.events import Clock, Filtered, Sink
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell
 from twonav_cli.maze import Maze
@@ -26,6 +27,10 @@ class Observation:
     pose_estimate: Pose | None = None
     image: NDArray[np.uint8] | None = None
     """[84, 84, 3] RGB the estimate was made from."""
+    belief: Belief | None = None
+    """What that picture alone says, where a localizer gives one."""
+    filtered: Filtered | None = None
+    """What the filter makes of it, where there is one."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +55,10 @@ class Stage(Protocol):
         """Simulated time since the stage was made."""
 
     def place(self, cell: Cell) -> Observation:
-        """Put the robot at the centre of a free cell and look."""
+        """Put the robot at the centre of a free cell, tell it that it knows nothing, and look."""
+
+    def carry(self, cell: Cell) -> Observation:
+        """Put the robot into a free cell without telling it, and look: it still believes what it believed."""
 
     def close(self) -> None:
         """Give back what the stage holds."""

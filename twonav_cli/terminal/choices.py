@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from twonav_cli.config import BASES
 from twonav_cli.errors import TwonavError, unknown_name
 
-LOCALIZERS = ("raw", "truth")
-"""Where the 3D stage has its pose from: the camera, or the simulator."""
+LOCALIZERS = ("filtered", "raw", "truth")
+"""Where the 3D stage has its pose from: the camera fused with odometry, each picture alone, or the simulator."""
 
 
 def check_choices(command: str, stage: str, stages: Sequence[str], localizer: str = "raw", base: str = "omni") -> None:

@@ -41,7 +41,7 @@ class PlayRequest:
     record: Path | None = None
     recording: bool = True
     plain: bool = False
-    localizer: str = "raw"
+    localizer: str = "filtered"
     base: str = "omni"
     speed: float = 4.0
     checkpoints: Path | None = None
@@ -125,15 +125,17 @@ def _make_stage(request: PlayRequest, floor: Floor, start: Cell, sink: Sink) -> 
     """Return the stage; in 3D the first picture leaves before the localizer, which is slow to load, is there."""
     from twonav_cli.experiments.predecessors import checkpoint_folder, load_localize, make_stage
 
-    if request.stage == "3d" and request.localizer == "raw":
+    uses_camera = request.localizer != "truth"
+    if request.stage == "3d" and uses_camera:
         # Known to be there before anything is built.
         checkpoint_folder(floor.scene.name, "localizer", request.checkpoints, map_source=floor.map_source)
     stage = make_stage(floor, request.stage, None, request.seed, _options(request))
     if isinstance(stage, MazeStage):
         return stage
     sink(Looked(Clock(), *stage.picture(start)))
-    if request.localizer == "raw":
-        stage.localize = load_localize(floor, request.checkpoints)
+    if uses_camera:
+        filtered = request.localizer == "filtered"
+        stage.localize = load_localize(floor, request.checkpoints, filtered=filtered, seed=request.seed)
     return stage
 
 

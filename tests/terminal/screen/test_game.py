@@ -2,11 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from fake_game import FakeGame
+from fake_game import FakeGame, fake_belief
 
-from twonav_cli.events import Clock, GoalAdded, Kidnapped, Note, QSnapshot, StepTaken, TrialEnded
+from twonav_cli.events import (
+    Clock,
+    Filtered,
+    GoalAdded,
+    Kidnapped,
+    Looked,
+    Note,
+    QSnapshot,
+    StepTaken,
+    Tick,
+    TrialEnded,
+)
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell
 from twonav_cli.terminal.screen.game import (
@@ -123,3 +136,23 @@ def test_a_goal_that_is_added_is_listed_and_its_arrows_follow_the_steps_at_once(
     assert later.greedy[10, 4, 18] == 3
     assert later.td_error == 10.0
     assert len(before.goal_names) == 10
+
+
+def test_a_look_brings_the_pose_and_the_belief_that_the_next_one_replaces(game: FakeGame) -> None:
+    before = after([*game.began(), *game.walk("kitchen")])
+    said = fake_belief((1.0, 3.0, 4.0))
+    looked = Looked(Clock(), Pose(5, 5, 0), np.zeros((84, 84, 3), np.uint8), Pose(3, 4, 0), said)
+    state = advance(before, looked)
+    assert (state.pose_true, state.pose_estimate, state.belief) == (Pose(5, 5, 0), Pose(3, 4, 0), said)
+    assert advance(state, Tick(Clock(), Pose(5, 5, 0), Pose(3, 4, 0), np.zeros(180))).belief is said
+    nothing = advance(state, replace(looked, pose_estimate=None, belief=None))
+    assert (nothing.pose_estimate, nothing.belief) == (Pose(3, 4, 0), None)
+
+
+def test_a_step_brings_what_the_filter_makes_of_it(game: FakeGame) -> None:
+    filtered = Filtered(0.8, 0.1, 0.1, np.zeros((2, 3), np.float32), np.zeros((0, 3)))
+    step = StepTaken(
+        Clock(1, 1), "kitchen", Cell(4, 18), 3, Cell(4, 19), "reached", np.zeros(4), np.zeros(10), True,
+        filtered=filtered,
+    )  # fmt: skip
+    assert after([*game.began(), step]).filtered is filtered

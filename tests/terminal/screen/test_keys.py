@@ -49,3 +49,9 @@ def test_space_goes_on_when_paused_and_a_single_step_pauses() -> None:
 
 def test_keys_open_the_prompt_and_the_help() -> None:
     assert [press(key, Controls(), GOALS).opens for key in ("g", ":", "?", "x")] == [PROMPT, PROMPT, HELP, ""]
+
+
+def test_b_hides_the_belief_and_shows_it_again() -> None:
+    hidden = press("b", Controls(), GOALS)
+    assert (hidden.controls.heat, hidden.commands) == (False, ())
+    assert press("b", hidden.controls, GOALS).controls.heat

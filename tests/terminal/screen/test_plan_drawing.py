@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from fake_game import FRAME, GOALS, MAZE_FRAME, fake_map, fake_maze
 
+from twonav_cli.belief import Belief
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import GridFrame
 from twonav_cli.terminal.screen import palette
@@ -39,7 +40,63 @@ def test_a_wall_thinner_than_a_character_is_not_lost_without_colour() -> None:
 
 def test_the_robot_stands_where_its_pose_is_and_its_estimate_beside_it() -> None:
     marks = Marks(pose_true=Pose(0.75, -0.75, 0), pose_estimate=Pose(1.25, -0.75, 0))
-    assert lines(draw_plan(small_plan(), marks, 2, 8, coloured=False))[1] == "#..@?..."
+    assert lines(draw_plan(small_plan(), marks, 2, 8, coloured=False))[1] == "#..@&..."
+
+
+def doubtful() -> Belief:
+    """Half of 0.9 in each bin at (0.75, 0.75), half of 0.03 in each at (2.25, -0.75): two bins make a character."""
+    grid = np.zeros((2, 8), dtype=np.float32)
+    grid[0, 3], grid[1, 6] = 0.9, 0.03
+    frame = GridFrame(-1.0, -1.0, 0.5, 4, 8)
+    bins = np.repeat(grid / 2, 2, axis=0)
+    return Belief(np.array([(1.0, 0.75, 0.75, 0.1)]), np.array([(1.0, 0.0, 0.1)]), 0.0, 4.0, bins, frame)
+
+
+def test_the_belief_is_a_heat_on_the_floor_the_likelier_the_paler() -> None:
+    plain, picture = (draw_plan(small_plan(), Marks(belief=said), 2, 8) for said in (None, doubtful()))
+    changed = np.argwhere((picture.paper != plain.paper).any(axis=-1)).tolist()
+    assert changed == [[0, 3], [1, 6]]
+    likely, unlikely = picture.paper[0, 3].sum(), picture.paper[1, 6].sum()
+    assert likely > unlikely + 100
+    assert unlikely > plain.paper[1, 6].sum() + 50
+
+
+def test_without_colour_the_belief_is_written_in_characters() -> None:
+    drawn = lines(draw_plan(small_plan(), Marks(belief=doubtful()), 2, 8, coloured=False))
+    assert drawn == ["#..%...1", "#.....:."]
+
+
+def test_a_wall_is_never_heated() -> None:
+    said = doubtful()
+    said.grid[:, 0] = 0.5
+    plain, picture = (draw_plan(small_plan(), Marks(belief=shown), 2, 8) for shown in (None, said))
+    assert (picture.paper[:, 0] == plain.paper[:, 0]).all()
+
+
+def test_no_arrow_stands_where_the_belief_is() -> None:
+    plan = plan_of_map(np.zeros((4, 8), bool), GridFrame(-1, -1, 0.5, 4, 8), {}, {}, GridFrame(-1, -1, 0.5, 4, 8))
+    arrows = np.zeros((4, 8), dtype=np.int8)
+    drawn = draw_plan(plan, Marks(arrows=arrows, belief=doubtful()), 2, 8, coloured=False)
+    assert lines(drawn) == ["^^^%^^^^", "^^^^^^:^"]
+
+
+def test_a_sharp_belief_is_seen_on_a_sheet_whose_characters_are_wider_than_its_bins() -> None:
+    frame = GridFrame(0, 0, 0.1, 40, 80)
+    plan = plan_of_map(np.zeros((40, 80), bool), frame, {}, {}, None)
+    for col in range(80):
+        grid = np.zeros((40, 80), dtype=np.float32)
+        grid[21, col] = 1.0
+        said = Belief(np.ones((1, 4)), np.ones((1, 3)), 0.0, 32.0, grid, frame)
+        drawn = lines(draw_plan(plan, Marks(belief=said), 4, 16, coloured=False))
+        assert drawn[2] == "." * (col // 5) + "%" + "." * (15 - col // 5)
+
+
+@pytest.mark.parametrize("coloured", [True, False])
+def test_other_places_are_question_marks_under_the_robot(coloured: bool) -> None:
+    marks = Marks(pose_true=Pose(0.75, -0.75, 0), others=((0.75, -0.75), (1.75, -0.75)))
+    drawn = draw_plan(small_plan(), marks, 2, 8, coloured)
+    assert drawn.glyphs[1, 5] == "?"
+    assert drawn.glyphs[1, 3] == ("→" if coloured else "@")
 
 
 def test_true_pose_is_cyan_and_estimate_magenta() -> None:

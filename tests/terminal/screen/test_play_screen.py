@@ -112,6 +112,30 @@ def test_scripted_keys_add_a_goal_and_drive_there_without_waiting_for_it() -> No
     assert on_screen(body, keys=keys).asked == [AddGoal("plant", 0.2, 7.4), GoTo("plant"), Quit()]
 
 
+@pytest.mark.parametrize("size", [(80, 24), (140, 40)])
+def test_the_screen_shows_the_belief_until_b_hides_it(size: tuple[int, int]) -> None:
+    async def body(app: PlayScreen, game: FakeGame, pilot: Pilot[None]) -> None:
+        def colours() -> set[str]:
+            panel = app.query_one("#plan")
+            rows = (panel.render_line(row) for row in range(panel.size.height))
+            return {str(s.style.bgcolor.name) for row in rows for s in row if s.style and s.style.bgcolor}
+
+        await pilot.press("1")
+        await until(lambda: app.state.last_trial is not None, pilot)
+        await pilot.pause(0.2)
+        assert "sure   0.63" in shown(app, "pose")
+        assert "or 0.27 at (11.0, 8.0)" in shown(app, "pose")
+        with_heat = colours()
+        await pilot.press("b")
+        await pilot.pause(0.2)
+        assert with_heat - colours()
+        await pilot.press("b")
+        await pilot.pause(0.2)
+        assert colours() == with_heat
+
+    on_screen(body, size)
+
+
 def test_tab_enlarges_one_panel_after_another_and_comes_back() -> None:
     async def body(app: PlayScreen, game: FakeGame, pilot: Pilot[None]) -> None:
         visible = []

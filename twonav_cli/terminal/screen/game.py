@@ -13,9 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from twonav_cli.belief import Belief
 from twonav_cli.events import (
     Clock,
     Event,
+    Filtered,
     GoalAdded,
     GoalChosen,
     GoalLearned,
@@ -69,6 +71,10 @@ class GameState:
     trail: tuple[tuple[float, float], ...] = ()
     """True positions since the trial or the last kidnapping began, map frame, metres."""
     image: NDArray[np.uint8] | None = None
+    belief: Belief | None = None
+    """What the last picture that was looked at says by itself."""
+    filtered: Filtered | None = None
+    """What the filter made of it, where there is one."""
     scan_m: FloatArray | None = None
     greedy: NDArray[np.int8] | None = None
     """[G, R, C] best action of every goal, NO_ARROW where the values do not say."""
@@ -212,7 +218,14 @@ def _tick(state: GameState, event: Tick) -> GameState:
 
 
 def _looked(state: GameState, event: Looked) -> GameState:
-    return replace(state, pose_true=event.pose_true, image=event.image)
+    return replace(
+        state,
+        pose_true=event.pose_true,
+        pose_estimate=event.pose_estimate or state.pose_estimate,
+        image=event.image,
+        belief=event.belief,
+        filtered=event.filtered,
+    )
 
 
 def _step_taken(state: GameState, event: StepTaken) -> GameState:
@@ -234,6 +247,8 @@ def _step_taken(state: GameState, event: StepTaken) -> GameState:
         pose_estimate=pose_estimate,
         trail=_longer(state.trail, pose_true) if pose_true else state.trail,
         image=event.image if event.image is not None else state.image,
+        belief=event.belief,
+        filtered=event.filtered,
         greedy=greedy,
         values=values,
         q_values=event.q_values,

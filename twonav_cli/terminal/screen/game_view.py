@@ -8,6 +8,7 @@ from textwrap import wrap
 import numpy as np
 from rich.text import Text
 
+from twonav_cli.events import confidence_of, other_places
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell
 from twonav_cli.maze import Action
@@ -26,6 +27,13 @@ TRUE = hexadecimal(palette.TRUE)
 ESTIMATE = hexadecimal(palette.ESTIMATE)
 GOAL = hexadecimal(palette.CURRENT_GOAL)
 ALARM = hexadecimal(palette.ALARM)
+OTHER = hexadecimal(palette.OTHER)
+UNSURE = 0.5
+"""Confidence below which it stands out (ours)."""
+
+POSE_ROWS = 6
+"""Lines about the poses without the other places; where there is less room, cell and action go first."""
+
 LOST_M = 0.45
 """Error from which the robot counts as lost (Fox, Burgard, Thrun 1999)."""
 
@@ -41,8 +49,8 @@ def plan_of_game(state: GameState) -> Plan | None:
     return plan_of_map(run.occupied, run.map_frame, goals, {}, frame)
 
 
-def marks_of_game(state: GameState) -> Marks:
-    """Return what moves on the plan."""
+def marks_of_game(state: GameState, heat: bool = True) -> Marks:
+    """Return what moves on the plan, with or without the heat of the belief."""
     goal = state.goal_index
     shown = goal is not None and state.greedy is not None and state.values is not None
     return Marks(
@@ -53,6 +61,8 @@ def marks_of_game(state: GameState) -> Marks:
         scan_m=state.scan_m,
         arrows=state.greedy[goal] if shown and state.greedy is not None else None,
         values=state.values[goal] if shown and state.values is not None else None,
+        belief=state.belief if heat else None,
+        others=tuple((float(x_m), float(y_m)) for _, x_m, y_m in other_places(state.belief, state.filtered)),
     )
 
 
@@ -101,8 +111,8 @@ def td_text(state: GameState, cols: int) -> Text:
     return text
 
 
-def pose_text(state: GameState) -> Text:
-    """Return both poses, the error between them, and both cells."""
+def pose_text(state: GameState, rows: int = POSE_ROWS + 2) -> Text:
+    """Return both poses, the error between them, how sure the robot is, where else it could be, and both cells."""
     lines = [
         Text.assemble(("true   ", TRUE), _pose(state.pose_true)),
         Text.assemble(("belief ", ESTIMATE), _pose(state.pose_estimate)),
@@ -111,12 +121,26 @@ def pose_text(state: GameState) -> Text:
     if error is not None:
         lost = error[0] >= LOST_M
         style = f"bold {ALARM}" if lost else "bold"
-        sentence = f"{error[0] * 100:.1f} cm, {math.degrees(error[1]):.1f}°"
+        away = f"{error[0]:.2f} m" if lost else f"{error[0] * 100:.1f} cm"
+        sentence = f"{away}, {math.degrees(error[1]):.{0 if lost else 1}f}°"
         lines.append(Text.assemble(("error  ", QUIET), (sentence + " lost" * lost, style)))
+    lines += _doubts(state, at_most=max(rows - POSE_ROWS, 1))
     lines.append(Text.assemble(("cell   ", QUIET), _cells(state.cell_true, state.cell_believed)))
     outcome = state.action_outcome + ("" if state.action_greedy else ", exploring")
     lines.append(Text.assemble(("action ", QUIET), outcome or "-"))
-    return Text("\n").join(lines)
+    return Text("\n").join(lines[:rows])
+
+
+def _doubts(state: GameState, at_most: int) -> list[Text]:
+    """Return the confidence as one number, with the filter's spread, and the likeliest other places with weights."""
+    confidence = confidence_of(state.belief, state.filtered)
+    if confidence is None:
+        return []
+    spread = f" ±{state.filtered.spread_m * 100:.0f} cm" if state.filtered is not None else ""
+    style = f"bold {ALARM}" if confidence < UNSURE else "bold"
+    sure = Text.assemble(("sure   ", QUIET), (f"{confidence:.2f}", style), (spread, QUIET))
+    others = other_places(state.belief, state.filtered)[:at_most]
+    return [sure, *(Text(f"or {w:.2f} at ({x_m:.1f}, {y_m:.1f})", style=OTHER) for w, x_m, y_m in others)]
 
 
 def _pose(pose: Pose | None) -> str:
@@ -129,7 +153,7 @@ def _cells(true: Cell | None, believed: Cell | None) -> Text:
         return Text("-")
     text = Text(f"({true.row}, {true.col})")
     if believed is not None and believed != true:
-        text.append(f" not ({believed.row}, {believed.col})", ALARM)
+        text.append(f" ≠({believed.row}, {believed.col})", ALARM)
     return text
 
 
@@ -192,7 +216,7 @@ def hint_text(state: GameState, controls: Controls, cols: int) -> Text:
     """Return what the keys do now, as many of them as fit."""
     leave = [("?", "help"), ("q", "leave")]
     pairs = [("g", "goal"), ("1-9", "pick"), ("k", "kidnap"), ("space", "go on" if controls.paused else "pause")]
-    pairs += [(".", "step"), ("+ -", "speed"), ("arrows", "drive"), ("tab", "panels")]
+    pairs += [(".", "step"), ("+ -", "speed"), ("arrows", "drive"), ("b", "belief"), ("tab", "panels")]
     if controls.driving:
         pairs = [("arrows hjkl wasd", "you drive"), ("esc", "hand back"), ("K", "kidnap")]
     elif state.ended:

@@ -30,6 +30,8 @@ class Controls:
     """Factor of real time, 0 for no limit, None when nobody has said."""
     driving: bool = False
     """The player moves the robot by hand."""
+    heat: bool = True
+    """The plan shows the belief."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,8 @@ def press(key: str, controls: Controls, goals: Sequence[str]) -> Pressed:
         return Pressed(controls, opens=PROMPT)
     if key == "?":
         return Pressed(controls, opens=HELP)
+    if key == "b":
+        return Pressed(replace(controls, heat=not controls.heat))
     if key == "escape":
         return Pressed(replace(controls, driving=False))
     if key.isdigit():

@@ -18,6 +18,7 @@ GOAL: Rgb = (200, 208, 220)
 CURRENT_GOAL: Rgb = (250, 214, 60)
 ROOM: Rgb = (128, 140, 158)
 DARK: Rgb = (10, 12, 16)
+OTHER: Rgb = (214, 150, 255)
 TOGETHER: Rgb = (130, 0, 95)
 QUIET: Rgb = (110, 122, 140)
 ALARM: Rgb = (255, 123, 84)
@@ -43,6 +44,16 @@ def viridis(shares: NDArray[np.float64]) -> NDArray[np.uint8]:
     places = np.clip(shares, 0.0, 1.0) * (len(VIRIDIS) - 1)
     anchors = np.arange(len(VIRIDIS))
     return np.stack([np.interp(places, anchors, VIRIDIS[:, c]) for c in range(3)], axis=-1).astype(np.uint8)
+
+
+HEAT: NDArray[np.float64] = np.array([(72, 60, 124), (112, 84, 170), (156, 118, 212), (206, 170, 246), (238, 222, 255)])
+"""From dark to pale violet, ever lighter: next to the belief's magenta, and no colour of viridis."""
+
+
+def heat(shares: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the colours [..., 3] of a belief's heat [...] from 0 (dark) to 1 (pale)."""
+    places = np.clip(shares, 0.0, 1.0) * (len(HEAT) - 1)
+    return np.stack([np.interp(places, np.arange(len(HEAT)), HEAT[:, c]) for c in range(3)], axis=-1)
 
 
 def hexadecimal(colour: Rgb) -> str:

@@ -14,12 +14,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from twonav_cli.belief import Belief
 from twonav_cli.geometry import Pose, points_in_map
 from twonav_cli.grid import GridFrame
 from twonav_cli.maze import Maze
 from twonav_cli.terminal.console import in_colour
 from twonav_cli.terminal.screen import palette
 from twonav_cli.terminal.screen.floor_plan import Plan, Sheet, fitted, goal_key, plan_of_map, shares
+from twonav_cli.terminal.screen.heat_drawing import boxed, heat_of, heated, put_heat_glyphs
 from twonav_cli.terminal.screen.picture import Picture, picture_of_glyphs, picture_of_pixels
 
 if TYPE_CHECKING:
@@ -44,6 +46,15 @@ THIN_WALL_SHARE = 0.95
 ARROW_SHARE = 0.12
 """Share of a character that may be occupied where an arrow still stands."""
 
+HEATED_WALL = 0.5
+"""Share of a pixel that may be occupied where the heat still shows."""
+
+HEATED = 0.34
+"""Heat from which a character has no arrow: one bin of the belief holds 1 % or more."""
+
+OTHER_PLACE = "?"
+ESTIMATE_ASCII = "&"
+
 BEAMS_RAD = np.linspace(-math.pi / 2, math.pi / 2, 180)
 
 
@@ -60,6 +71,8 @@ class Marks:
         arrows: [R, C] best action towards the goal, -1 for none.
         values: [R, C] their values, for the colour.
         names: Whether every goal carries its name, not the current one only.
+        belief: What the last picture says, for the heat.
+        others: Positions (x_m, y_m) of the other places where the robot could be.
     """
 
     goal: str = ""
@@ -70,6 +83,8 @@ class Marks:
     arrows: NDArray[np.int8] | None = None
     values: NDArray[np.float64] | None = None
     names: bool = False
+    belief: Belief | None = None
+    others: tuple[tuple[float, float], ...] = ()
 
 
 def draw_plan(plan: Plan, marks: Marks, rows: int, cols: int, coloured: bool = True) -> Picture:
@@ -77,17 +92,22 @@ def draw_plan(plan: Plan, marks: Marks, rows: int, cols: int, coloured: bool = T
     sheet = fitted(plan, rows, cols)
     if not coloured:
         picture = picture_of_glyphs(_floor_glyphs(plan, sheet).copy())
+        if marks.belief is not None:
+            put_heat_glyphs(picture.glyphs, boxed(marks.belief, sheet, sheet.rows, sheet.cols))
         _put_arrows(picture, plan, sheet, marks, ACTION_ARROWS_ASCII)
         for x_m, y_m in marks.trail:
             _put_at(picture, sheet, x_m, y_m, "*")
     else:
-        pixels = _floor_pixels(plan, sheet).copy()
+        floor = _heated_floor(plan, sheet, marks)
+        pixels = floor.copy()
         _put_trail(pixels, sheet, marks)
         picture = picture_of_pixels(pixels)
-        _put_arrows(picture, plan, sheet, marks, ACTION_ARROWS)
+        _put_arrows(picture, plan, sheet, marks, ACTION_ARROWS, _paper(floor))
     for name, (x_m, y_m) in plan.rooms.items():
         _put_centred(picture, sheet, x_m, y_m, name)
     _put_goals(picture, plan, sheet, marks)
+    for x_m, y_m in marks.others:
+        _put_at(picture, sheet, x_m, y_m, OTHER_PLACE, palette.DARK, palette.OTHER)
     _put_robot(picture, sheet, marks)
     return picture
 
@@ -100,6 +120,15 @@ def _floor_pixels(plan: Plan, sheet: Sheet) -> NDArray[np.uint8]:
     ground = known * palette.FLOOR + (1 - known) * palette.OUTSIDE
     wall = np.minimum(occupied * 1.5, 1.0)[..., None] ** 0.7
     return np.asarray(ground * (1 - wall) + wall * palette.WALL, dtype=np.uint8)
+
+
+def _heated_floor(plan: Plan, sheet: Sheet, marks: Marks) -> NDArray[np.uint8]:
+    """Return the floor's pixels [2 rows, cols, 3] with the belief as a heat."""
+    pixels = _floor_pixels(plan, sheet)
+    if marks.belief is None:
+        return pixels
+    heat = heat_of(boxed(marks.belief, sheet, 2 * sheet.rows, sheet.cols))
+    return heated(pixels, heat, shares(plan, 2 * sheet.rows, sheet.cols)[0] < HEATED_WALL)
 
 
 @lru_cache(maxsize=16)
@@ -129,7 +158,14 @@ def _put_trail(pixels: NDArray[np.uint8], sheet: Sheet, marks: Marks) -> None:
             pixels[pixel] = palette.SCAN
 
 
-def _put_arrows(picture: Picture, plan: Plan, sheet: Sheet, marks: Marks, glyphs: NDArray[np.str_]) -> None:
+def _put_arrows(
+    picture: Picture,
+    plan: Plan,
+    sheet: Sheet,
+    marks: Marks,
+    glyphs: NDArray[np.str_],
+    paper: NDArray[np.uint8] | None = None,
+) -> None:
     """Write the arrow of the maze cell under every free character off the trail; wide cells have one arrow each."""
     frame = plan.maze_frame
     if marks.arrows is None or frame is None:
@@ -150,12 +186,15 @@ def _put_arrows(picture: Picture, plan: Plan, sheet: Sheet, marks: Marks, glyphs
     occupied, inside = shares(plan, sheet.rows, sheet.cols)
     shown = first & in_frame & (action >= 0) & (occupied <= ARROW_SHARE) & (inside > 0.5)
     shown &= picture.glyphs != "#"
+    if marks.belief is not None:
+        shown &= heat_of(boxed(marks.belief, sheet, sheet.rows, sheet.cols)) < HEATED
     picture.glyphs[shown] = glyphs[action[shown]]
     if not picture.coloured:
         return
     values = marks.values[cells] if marks.values is not None else np.ones(action.shape)
     picture.ink[shown] = palette.viridis(_ranked(values[shown]))
-    picture.paper[shown] = _floor_paper(plan, sheet)[shown]
+    if paper is not None:
+        picture.paper[shown] = paper[shown]
 
 
 def _nearest(centres_m: NDArray[np.float64], places_m: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -165,11 +204,10 @@ def _nearest(centres_m: NDArray[np.float64], places_m: NDArray[np.float64]) -> N
     return chosen
 
 
-@lru_cache(maxsize=16)
-def _floor_paper(plan: Plan, sheet: Sheet) -> NDArray[np.uint8]:
-    """Return the mean colour of both pixels of every character [rows, cols, 3]."""
-    pixels = _floor_pixels(plan, sheet).astype(np.uint16)
-    return ((pixels[::2] + pixels[1::2]) // 2).astype(np.uint8)
+def _paper(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return the mean colour of both pixels [2 rows, cols, 3] of every character [rows, cols, 3]."""
+    wide = pixels.astype(np.uint16)
+    return ((wide[::2] + wide[1::2]) // 2).astype(np.uint8)
 
 
 def _ranked(values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -208,7 +246,7 @@ def _put_robot(picture: Picture, sheet: Sheet, marks: Marks) -> None:
     true = sheet.place_at(*marks.pose_true[:2]) if marks.pose_true else None
     estimate = sheet.place_at(*marks.pose_estimate[:2]) if marks.pose_estimate else None
     if estimate is not None and marks.pose_estimate is not None:
-        glyph = heading_glyph(marks.pose_estimate.theta_rad) if picture.coloured else "?"
+        glyph = heading_glyph(marks.pose_estimate.theta_rad) if picture.coloured else ESTIMATE_ASCII
         picture.put(*estimate, glyph, palette.DARK, palette.ESTIMATE, bold=True)
     if true is not None and marks.pose_true is not None:
         glyph = heading_glyph(marks.pose_true.theta_rad) if picture.coloured else "@"
@@ -221,10 +259,18 @@ def heading_glyph(theta_rad: float) -> str:
     return HEADINGS[round(theta_rad / (math.pi / 4)) % 8]
 
 
-def _put_at(picture: Picture, sheet: Sheet, x_m: float, y_m: float, glyph: str) -> None:
+def _put_at(
+    picture: Picture,
+    sheet: Sheet,
+    x_m: float,
+    y_m: float,
+    glyph: str,
+    ink: palette.Rgb | None = None,
+    paper: palette.Rgb | None = None,
+) -> None:
     place = sheet.place_at(x_m, y_m)
     if place is not None:
-        picture.put(*place, glyph)
+        picture.put(*place, glyph, ink, paper, bold=ink is not None)
 
 
 def _put_centred(picture: Picture, sheet: Sheet, x_m: float, y_m: float, text: str) -> None:

@@ -44,6 +44,7 @@ g or :       type a goal's name (its beginning will do) or a command
 k            kidnap the robot: carry it elsewhere without telling it
 space  .     pause or go on; one step
 + -          faster, slower
+b            show or hide the belief on the plan
 tab          enlarge one panel after another
 arrows wasd  drive by hand; then hjkl drive too, K kidnaps, esc ends it
 q, ctrl-c    leave
@@ -54,6 +55,8 @@ prompt       GOAL  goals  kidnap  pause  resume  step  speed 2
              at once from what the robot remembers; without X Y: here
 plan         cyan: the robot; magenta: where it believes to be;
              arrows: best action, yellow near the goal, blue far from it
+             violet: where the last picture could be from, pale is likely
+             ?: other places where it could be; the numbers give weights
 values       ◀ the best action; bold: the one that was taken"""
 
 PRIORITY_KEYS = ("ctrl+c", "ctrl+q", "tab", "shift+tab")
@@ -196,7 +199,7 @@ class PlayScreen(App[None], inherit_bindings=False):
         state = self.state
         plan_panel, camera = self.query_one("#plan", PicturePanel), self.query_one("#camera", PicturePanel)
         if self._plan is not None and plan_panel.display:
-            marks = game_view.marks_of_game(state)
+            marks = game_view.marks_of_game(state, self.controls.heat)
             plan_panel.show(draw_plan(self._plan, marks, *_space(plan_panel), self._coloured))
         if state.image is not None and camera.display:
             rows, cols = _space(camera)
@@ -211,7 +214,7 @@ class PlayScreen(App[None], inherit_bindings=False):
         q, pose, goals, log = (self.query_one(f"#{name}", Static) for name in ("q", "pose", "goals", "log"))
         rows = q.size.height
         q.update(game_view.values_text(state, q.size.width))
-        pose.update(game_view.pose_text(state))
+        pose.update(game_view.pose_text(state, rows))
         goals.update(game_view.goals_text(state, goals.size.width, rows))
         log.update(game_view.log_text(state, log.size.width, rows))
 
