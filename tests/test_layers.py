@@ -184,7 +184,8 @@ def test_the_learner_needs_neither_mujoco_nor_torch(name: str) -> None:
 @pytest.mark.parametrize("name", [name for name in NAMES if layer_of(name) == "recording"])
 def test_recording_sees_only_events_and_what_they_are_made_of(name: str) -> None:
     seen = {other for other in own(imports_of(MODULES[NAMES.index(name)])) if layer_of(other) != "recording"}
-    allowed = {f"twonav_cli.{part}" for part in ("events", "geometry", "grid", "maze", "config", "errors")}
+    grounds = ("events", "geometry", "grid", "maze", "config", "errors", "belief")
+    allowed = {f"twonav_cli.{part}" for part in grounds}
     assert seen <= allowed | {"twonav_cli"}
 
 

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from twonav_cli.checkpoint import read_card
-from twonav_cli.experiments.localizer_errors import localizer_errors
+from twonav_cli.experiments.localizer_report import ReportConfig, localizer_report
 from twonav_cli.experiments.map_errors import map_agreement, maze_differences
-from twonav_cli.experiments.predecessors import load_agent, load_localize
+from twonav_cli.experiments.predecessors import load_agent, load_localize, localizer_name
 from twonav_cli.mapping.floor import geometry_map, read_floor
 from twonav_cli.mapping.known_maps import find_map
 from twonav_cli.paths import checkpoints_dir
@@ -39,8 +39,9 @@ def test_a_new_goal_has_a_known_way_from_nearly_every_cell(name: str, stage: str
         assert len(added.without_way) <= (0.01 * len(floor.maze.free_cells) if stage == "3d" else 0)
 
 
-def test_the_apartments_localizer_belongs_to_it() -> None:
-    assert callable(load_localize(read_floor("apartment")))
+@pytest.mark.parametrize("name", scene_names())
+def test_the_localizer_belongs_to_its_scene(name: str) -> None:
+    assert callable(load_localize(read_floor(name)))
 
 
 @pytest.mark.parametrize("name", scene_names())
@@ -58,13 +59,26 @@ def test_the_shipped_map_is_one_that_the_robot_made_and_agrees_with_the_geometry
     assert find_map(scene, "survey").folder == checkpoints_dir() / name / "map"  # type: ignore[union-attr]  # it is there
 
 
-def test_the_localizer_is_as_good_at_new_poses_as_its_card_says() -> None:
-    folder = checkpoints_dir() / "apartment" / "localizer"
-    found = localizer_errors(read_floor("apartment"), folder, 200, 7, lambda done, total: None)["off_grid"]
-    said = read_card(folder)["metrics"]["off_grid"]
-    assert found["pos_median_m"] < 1.3 * said["pos_median_m"]
-    assert found["ang_median_deg"] < 1.3 * said["ang_median_deg"]
-    assert said["pos_median_m"] < 0.5 * read_card(folder)["metrics"]["off_grid_nearest_frame"]["pos_median_m"]
+@pytest.mark.parametrize("scene", scene_names())
+@pytest.mark.parametrize("network", ["belief", "inception-9"])
+def test_a_localizer_is_as_good_at_new_poses_as_its_card_says(scene: str, network: str) -> None:
+    folder = checkpoints_dir() / scene / localizer_name(network)
+    found = localizer_report(read_floor(scene), folder, ReportConfig(200, 0, 0), 7, lambda name, done, total: None)
+    said = read_card(folder)["metrics"]
+    for trial in ("off_grid", "paper_split"):
+        assert found[trial]["pos_median_m"] < 1.3 * said[trial]["pos_median_m"]
+        assert found[trial]["ang_median_deg"] < 1.3 * said[trial]["ang_median_deg"]
+
+
+@pytest.mark.parametrize("scene", scene_names())
+def test_our_localizer_knows_what_it_does_not_know(scene: str) -> None:
+    folder = checkpoints_dir() / scene / "localizer"
+    report = ReportConfig(400, 0, 0)
+    found = localizer_report(read_floor(scene), folder, report, 8, lambda name, done, total: None)
+    said = read_card(folder)["metrics"]
+    assert 0.8 < found["belief"]["places_90"] < 0.98
+    assert said["off_grid"]["pos_median_m"] < 0.5 * said["off_grid_nearest"]["pos_median_m"]
+    assert said["belief"]["auroc"] > 0.9
 
 
 def test_the_robot_finds_the_kitchen_from_its_camera_and_leaves_a_recording(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""What one picture says about the pose: the places and headings it could be, how likely each is and how precisely known.
+"""What one picture says about the pose: places and headings it could be, how likely each is and how precisely known.
 
 K places, J headings, N poses; rows, cols of the grid.
 """
@@ -74,4 +74,4 @@ class Belief:
 
 
 def _shares(weights: FloatArray) -> FloatArray:
-    return weights / weights.sum()
+    return np.asarray(weights / weights.sum())

@@ -71,6 +71,17 @@ def signed(card: Card) -> Card:
     return {**rest, "card_sha256": hashlib.sha256(content).hexdigest()}
 
 
+def add_metrics(folder: Path, metrics: dict[str, Any]) -> None:
+    """Put further figures into the card of a checkpoint; what it is and how it was made stays as it is.
+
+    Raises:
+        TwonavError: There is no card, it is damaged, or the folder cannot be written.
+    """
+    card = read_card(folder)
+    card["metrics"] = {**card["metrics"], **metrics}
+    write_whole(folder / CARD_FILE, json.dumps(signed(card), indent=2) + "\n")
+
+
 def read_card(folder: Path) -> Card:
     """Read the card of a checkpoint.
 

@@ -17,6 +17,7 @@ from twonav_cli.events import (
     GoalAdded,
     GoalChosen,
     Kidnapped,
+    Looked,
     Note,
     QSnapshot,
     Sink,
@@ -199,6 +200,39 @@ def test_a_kidnapped_robot_finds_its_goal_from_where_it_was_carried(travel: Trav
     cell = FRAME.cell_at(carried.pose_after.x_m, carried.pose_after.y_m)
     assert cell != Cell(0, 5)
     assert visits == [Visit("right", "reached", 2 + 6 - cell.col, 3)]
+
+
+class CarriedStage(MazeStage):
+    """A maze with a camera that counts how often its robot was placed, and how often it was carried."""
+
+    def __init__(self, maze: Maze) -> None:
+        super().__init__(maze)
+        self.placed, self.carried = 0, list[Cell]()
+
+    def place(self, cell: Cell) -> Observation:
+        self.placed += 1
+        return self._seen(super().place(cell))
+
+    def carry(self, cell: Cell) -> Observation:
+        self.carried.append(cell)
+        self._cell = cell
+        return self._seen(Observation(Cell(0, 0), cell))
+
+    def _seen(self, seen: Observation) -> Observation:
+        pose = Pose(float(seen.true_cell.col), 0.0, 0.0)
+        return replace(seen, pose_true=pose, pose_estimate=pose, image=np.zeros((84, 84, 3), dtype=np.uint8))
+
+
+def test_a_kidnapped_robot_is_carried_not_placed_and_looks_at_once(agent: Agent) -> None:
+    stage, events = CarriedStage(CORRIDOR), list[Event]()
+    wishes = FakeWishes(kidnaps={2: True})
+    Journey(stage, FRAME, agent, np.random.default_rng(0), events.append, wishes).run(["right"], Cell(0, 3), stay=False)
+    assert stage.placed == 1
+    (cell,) = stage.carried
+    looks = of_kind(events, Looked)
+    assert [look.pose_true.x_m for look in looks if isinstance(look, Looked)] == [3.0, float(cell.col)]
+    at = events.index(looks[1])
+    assert isinstance(events[at - 1], Kidnapped)
 
 
 def test_a_move_by_hand_replaces_the_agents_action_once(travel: Travel) -> None:

@@ -5,18 +5,27 @@ from statistics import fmean
 
 import pytest
 
+from twonav_cli.experiments.paper_errata import errata_of, missing_value
 from twonav_cli.experiments.paper_figures import (
     FASTER_PERCENT,
     FEWER_TRIALS_PERCENT,
+    FIG_7,
+    SIZES_M,
+    TABLE_1,
+    TABLE_2,
+    TABLE_3,
+    TABLE_4,
     TABLE_5,
     TABLE_6,
     TABLE_7,
     TABLE_8,
     TD_ERROR_BETTER_PERCENT,
+    TEXT_ANGLE_STD_DEG,
+    TEXT_POSITION_CM,
+    TEXT_ROW_OF_FIG_6,
+    TEXT_TIMES_LARGER,
     PerGoal,
     PerMaze,
-    errata_of,
-    missing_value,
 )
 
 
@@ -28,6 +37,74 @@ def rounded(values: tuple[float, ...], digits: int) -> float:
 
 def texts(table: str) -> str:
     return " ".join(erratum.text for erratum in errata_of(table))
+
+
+def test_table_1_prints_two_corruptions_for_one_layer() -> None:
+    wrong = [row for row in TABLE_1 if len(row.corruption) != row.layers]
+    assert [(row.layers, len(row.corruption)) for row in wrong] == [(1, 2), (1, 2)]
+    assert all(len(row.units) == row.layers for row in TABLE_1)
+    assert "Networks of 1 layer print 2 corruptions" in texts("table3")
+
+
+def test_the_best_autoencoder_of_table_3_is_the_one_that_the_text_names() -> None:
+    kitchen = {network: row for (scene, network), row in TABLE_3.items() if scene == "kitchen"}
+    assert min(kitchen, key=lambda network: kitchen[network].pos_mean_m) == "sda-3x4000"
+    assert min(kitchen, key=lambda network: kitchen[network].ang_mean_deg) == "sda-3x4000"
+
+
+def test_centimetres_and_20_7_degrees_of_the_text_are_metres_and_2_07_degrees_in_table_4() -> None:
+    best = TABLE_4["kitchen", "inception-9"]
+    assert TEXT_POSITION_CM == (best.pos_mean_m, best.pos_std_m) == (0.056, 0.079)
+    assert pytest.approx(10 * best.ang_std_deg) == TEXT_ANGLE_STD_DEG
+    assert "0.056 cm and 0.079 cm are metres in the table: 5.6 cm and 7.9 cm" in texts("table4")
+    assert "20.7 degrees of deviation are 2.07 in the table: 10 times as many" in texts("table4")
+
+
+def test_rgb_is_superior_by_the_angle_and_not_by_the_position() -> None:
+    networks = ("cnn-7", "cnn-9", "inception-9")
+    rgb, hsv = ([TABLE_4["kitchen", name + ending] for name in networks] for ending in ("", "-hsv"))
+    assert fmean(row.pos_mean_m for row in rgb) > fmean(row.pos_mean_m for row in hsv)
+    assert fmean(row.ang_mean_deg for row in rgb) < fmean(row.ang_mean_deg for row in hsv)
+    assert "5.3 against 5.8 degrees" in texts("table4")
+    assert "0.0637 against 0.0633 m" in texts("table4")
+
+
+def test_in_the_apartment_inception_is_best_by_the_position_only() -> None:
+    rows = {network: row for (scene, network), row in TABLE_4.items() if scene == "apartment"}
+    assert min(rows, key=lambda network: rows[network].pos_mean_m) == "inception-9"
+    assert min(rows, key=lambda network: rows[network].ang_mean_deg) == "cnn-9"
+    assert "3.1 against 3.8 degrees" in texts("table4")
+
+
+def test_more_layers_are_better_in_the_apartment_and_worse_in_the_kitchen() -> None:
+    def gain(scene: str) -> list[bool]:
+        seven, nine = TABLE_4[scene, "cnn-7"], TABLE_4[scene, "cnn-9"]
+        return [nine.pos_mean_m < seven.pos_mean_m, nine.ang_mean_deg < seven.ang_mean_deg]
+
+    assert (gain("apartment"), gain("kitchen")) == ([True, True], [False, False])
+    assert "9 layers err by 0.069 m and 6.1 degrees, 7 by 0.066 and 4.9" in texts("table4")
+
+
+def test_the_apartment_is_more_than_twice_as_large() -> None:
+    assert SIZES_M == {"kitchen": (7, 5), "apartment": (14, 9)}
+    assert (14 * 9) / (7 * 5) == pytest.approx(3.6) != TEXT_TIMES_LARGER
+    assert "3.6 times the area" in texts("table4")
+
+
+def test_the_network_of_fig_6_is_in_another_place_of_another_table() -> None:
+    assert [(row.layers, row.kind, row.pooling) for row in TABLE_2].index((9, "inception", False)) + 1 == 4
+    assert TEXT_ROW_OF_FIG_6 == 3
+    assert "number 4 of Table 2" in texts("table4")
+
+
+def test_fig_7_contradicts_table_4_and_not_table_3() -> None:
+    sda, cnn = FIG_7["apartment", "sda-3x4000"], FIG_7["apartment", "inception-9"]
+    assert sda.min_m < TABLE_3["apartment", "sda-3x4000"].pos_mean_m < sda.max_m
+    assert TABLE_4["apartment", "inception-9"].pos_mean_m < cnn.min_m
+    (erratum,) = errata_of("fig7")
+    assert erratum.row == "apartment inception-9"
+    assert "between 0.12 and 0.56 m" in erratum.text
+    assert "0.076 m" in erratum.text
 
 
 @pytest.mark.parametrize("row", [TABLE_5["single"], *TABLE_6.values()])

@@ -8,14 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from twonav_cli.belief import Belief
 from twonav_cli.checkpoint import CARD_FILE
 from twonav_cli.config import learning_preset
 from twonav_cli.errors import TwonavError
 from twonav_cli.experiments import predecessors
 from twonav_cli.experiments.predecessors import checkpoint_folder, load_agent, load_localize, make_stage
+from twonav_cli.geometry import Pose, distance_m
+from twonav_cli.grid import GridFrame
 from twonav_cli.learner.agent import Agent
 from twonav_cli.learner.replay import Experience
 from twonav_cli.mapping.floor import Floor, read_floor
+from twonav_cli.stages.localize import STILL
 from twonav_cli.stages.maze_stage import MazeStage
 
 
@@ -160,3 +164,63 @@ def test_the_maze_stage_is_that_of_the_floor(floor: Floor) -> None:
     stage = make_stage(floor, "maze", None, 0)
     assert isinstance(stage, MazeStage)
     assert np.array_equal(stage.maze.blocked, floor.maze.blocked)
+
+
+class FakeEstimator:
+    """Sure of one place; `gives_beliefs` False gives poses only, as the paper's networks do."""
+
+    gives_beliefs = True
+
+    @classmethod
+    def load(cls, folder: Path, digest: str) -> FakeEstimator:
+        return cls()
+
+    def estimate(self, image: np.ndarray) -> Belief:
+        places, headings = np.array([(1.0, 2.0, 1.0, 0.1)]), np.array([(1.0, 0.5, 0.1)])
+        return Belief(places, headings, 0.1, 60.0, np.zeros((1, 1), np.float32), GridFrame(0, 0, 1, 1, 1))
+
+    def estimate_many(self, images: np.ndarray) -> np.ndarray:
+        return np.tile((3.0, 2.0, 1.0), (len(images), 1))
+
+
+@pytest.fixture
+def estimator(places: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch) -> type[FakeEstimator]:
+    """Put a made-up localizer in the place of the shipped one."""
+    from twonav_cli.localizer import estimator as module
+
+    put_card(places[0] / "kitchen" / "localizer")
+    fake = type("Fake", (FakeEstimator,), {})
+    monkeypatch.setattr(module, "Estimator", fake)
+    return fake
+
+
+IMAGE = np.zeros((84, 84, 3), dtype=np.uint8)
+
+
+def test_the_raw_localizer_gives_the_pose_and_the_belief_of_each_picture(
+    floor: Floor, estimator: type[FakeEstimator]
+) -> None:
+    found = load_localize(floor)(IMAGE, STILL)
+    assert found.pose == Pose(2.0, 1.0, 0.5)
+    assert found.belief is not None
+    assert found.filtered is None
+
+
+def test_the_filtered_localizer_has_particles_about_the_picture_of_its_first_look(
+    floor: Floor, estimator: type[FakeEstimator]
+) -> None:
+    found = load_localize(floor, filtered=True, seed=1)(IMAGE, STILL)
+    assert found.filtered is not None
+    assert distance_m(found.pose, Pose(2.0, 1.0, 0.5)) < 0.1
+    again = load_localize(floor, filtered=True, seed=1)(IMAGE, STILL)
+    assert again.pose == found.pose
+
+
+def test_a_localizer_without_beliefs_gives_poses_but_cannot_be_filtered(
+    floor: Floor, estimator: type[FakeEstimator]
+) -> None:
+    estimator.gives_beliefs = False
+    found = load_localize(floor)(IMAGE, STILL)
+    assert (found.pose, found.belief) == (Pose(3.0, 2.0, 1.0), None)
+    with pytest.raises(TwonavError, match="--localizer raw"):
+        load_localize(floor, filtered=True)

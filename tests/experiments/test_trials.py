@@ -6,11 +6,13 @@ from pathlib import Path
 import numpy as np
 from scattered_maze import greedy_lengths, scattered_maze, shortest_lengths
 
+from twonav_cli.belief import Belief
 from twonav_cli.config import LearningConfig
-from twonav_cli.events import Clock, Event, Sink, StepTaken, TrialEnded, TrialStarted, to_nobody
+from twonav_cli.events import Clock, Event, Looked, Sink, StepTaken, TrialEnded, TrialStarted, to_nobody
 from twonav_cli.experiments.maze_learning import learn_maze
 from twonav_cli.experiments.trials import learn_in_stage, run_trial
-from twonav_cli.grid import Cell
+from twonav_cli.geometry import Pose
+from twonav_cli.grid import Cell, GridFrame
 from twonav_cli.learner.agent import Agent
 from twonav_cli.maze import Action, Maze
 from twonav_cli.navigation.outcomes import BLOCKED, REACHED, TIMED_OUT
@@ -161,3 +163,43 @@ def test_the_slow_loop_gives_up() -> None:
     agent = agent_that_goes(Action.LEFT, limit=2)
     outcome = learn_in_stage(MazeStage(CORRIDOR), agent, 0, to_nobody, lambda: False, trials_at_most=6)
     assert (outcome.outcome, outcome.trials, outcome.learned) == ("gave-up", 6, ())
+
+
+class SeeingStage(MistakenStage):
+    """A maze with a camera and a localizer that is sure of a place."""
+
+    def _mistaken(self, seen: Observation) -> Observation:
+        pose = Pose(0.4 * seen.true_cell.col, 0.0, 0.0)
+        return replace(
+            super()._mistaken(seen),
+            pose_true=pose,
+            pose_estimate=pose._replace(x_m=pose.x_m + 0.5),
+            image=np.zeros((84, 84, 3), dtype=np.uint8),
+            belief=Belief(
+                np.array([(1.0, pose.x_m + 0.5, 0.0, 0.1)]), np.array([(1.0, 0.0, 0.1)]), 0.2, 60.0,
+                np.zeros((1, 1), dtype=np.float32), GridFrame(0.0, 0.0, 1.0, 1, 1),
+            ),
+        )  # fmt: skip
+
+
+def test_the_first_look_of_a_trial_and_every_action_tell_what_is_believed() -> None:
+    events = list[Event]()
+    run(SeeingStage(CORRIDOR, {}), agent_that_goes(Action.RIGHT), Cell(0, 3), events.append)
+    assert [type(e) for e in events] == [TrialStarted, Looked, StepTaken, StepTaken, TrialEnded]
+    looked, step = events[1], events[2]
+    assert isinstance(looked, Looked)
+    assert isinstance(step, StepTaken)
+    assert looked.clock == Clock(3, 100)
+    assert looked.pose_true == Pose(0.4 * 3, 0.0, 0.0)
+    assert looked.belief is not None
+    assert looked.belief.pose == looked.pose_estimate == Pose(0.4 * 3 + 0.5, 0.0, 0.0)
+    assert step.belief is not None
+    assert step.belief.pose == step.pose_estimate
+
+
+def test_a_mislocalized_trial_says_how_sure_the_robot_was() -> None:
+    stage = SeeingStage(CORRIDOR, {Cell(0, 4): Cell(0, 5)})
+    result = run(stage, agent_that_goes(Action.RIGHT), Cell(0, 2))
+    assert result.evidence.startswith(
+        "Arrival was declared in (0, 5), but the robot stands in (0, 4). It was 0.80 sure"
+    )

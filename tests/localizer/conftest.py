@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from twonav_cli.dataset.collect import Provenance, collect
-from twonav_cli.dataset.plan import PlanConfig, plan_frames
+from twonav_cli.dataset.plan import GRID_SET, RANDOM_SET, FramePlan, PlanConfig, plan_frames
 from twonav_cli.dataset.store import FrameStore, open_store
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import GridFrame
@@ -37,9 +37,30 @@ def toy_picture(pose: Pose) -> NDArray[np.uint8]:
     return np.clip(picture, 0, 255).astype(np.uint8)
 
 
+class ToyCamera:
+    """Takes the frames of the toy room; implements `Taker`."""
+
+    def take(self, plan: FramePlan, chunk: int) -> tuple[NDArray[np.uint8], None]:
+        first, end = plan.chunks[chunk]
+        return np.stack([toy_picture(Pose(*(float(v) for v in pose))) for pose in plan.poses[first:end]]), None
+
+    def close(self) -> None:
+        pass
+
+
+def _collected(folder: Path, name: str) -> FrameStore:
+    config = PlanConfig(degree_step=60, random_frames=1200, held_out_frames=150)
+    plan = plan_frames(name, np.zeros(ROOM.shape, dtype=bool), ROOM, [Pose(1.5, 1.0, 0.0)], config, seed=5)
+    return open_store(collect(ToyCamera, plan, folder, Provenance("toy", "toy-digest", 5)), "toy-digest")
+
+
 @pytest.fixture(scope="session")
 def toy_store(tmp_path_factory: pytest.TempPathFactory) -> FrameStore:
-    folder: Path = tmp_path_factory.mktemp("frames")
-    plan = plan_frames(np.zeros(ROOM.shape, dtype=bool), ROOM, [Pose(1.5, 1.0, 0.0)], PlanConfig(60, 1200, 150), seed=5)
-    collect(toy_picture, plan, folder, Provenance("toy", "toy-digest", 5))
-    return open_store(folder, "toy-digest")
+    """Frames at random poses: 1200 to train on, 150 held out, and those of held-out cells."""
+    return _collected(tmp_path_factory.mktemp("random-frames"), RANDOM_SET)
+
+
+@pytest.fixture(scope="session")
+def toy_grid_store(tmp_path_factory: pytest.TempPathFactory) -> FrameStore:
+    """Frames of the paper's kind: on a grid, with its split."""
+    return _collected(tmp_path_factory.mktemp("grid-frames"), GRID_SET)

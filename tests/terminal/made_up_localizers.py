@@ -20,9 +20,9 @@ from twonav_cli.experiments.localizer_tables.report import (
     Figures,
     LocalizerReport,
     belief_row,
-    localizer_report,
     nearest_row,
     paper_row,
+    table_report,
 )
 from twonav_cli.experiments.localizer_tables.request import LocalizerRequest
 from twonav_cli.grid import GridFrame
@@ -74,6 +74,7 @@ def _store(scene: str, poses: np.ndarray, kinds: np.ndarray, splits: np.ndarray)
     shade = np.column_stack([80 * poses[:, 0], 100 * poses[:, 1], 30 * (poses[:, 2] + 3.2)]).clip(0, 215)
     frames = (noise + shade[:, None, None, :]).astype(np.uint8)
     meta = {"scene": scene, "scene_digest": f"digest of {scene}", "seed": 0, "frames": len(poses), "plan": scene}
+    meta["map_digest"] = made_up_floor(scene).map.digest
     return FrameStore(frames, poses, poses, kinds, splits, meta)
 
 
@@ -114,7 +115,7 @@ def made_up_report(table: str, missing: tuple[str, ...] = (), notes: tuple[str, 
         errors = made_up_card(0.03)["metrics"]
         rows.append(belief_row(scene, errors, made_up_card(0.03, 800_000), runs_dir() / BELIEF))
         rows.append(nearest_row(scene, made_up_card(0.04)["metrics"]))
-    return localizer_report(request, rows, scenes_of(request, notes))
+    return table_report(request, rows, scenes_of(request, notes))
 
 
 def made_up_maps(missing: tuple[str, ...] = ()) -> ErrorMapReport:

@@ -9,7 +9,7 @@ the poses are the labels.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable
 from contextlib import closing
 from dataclasses import asdict, dataclass, field
 from io import BytesIO
@@ -140,7 +140,7 @@ def _take(chunk: int) -> int:
 
 def _taken(
     make_taker: Callable[[], Taker], plan: FramePlan, folder: Path, missing: list[int], processes: int
-) -> Iterator[int]:
+) -> Generator[int]:
     """Take chunks, and yield the number of each that is on disk."""
     if processes < 2 or len(missing) < 2:
         with closing(make_taker()) as taker:

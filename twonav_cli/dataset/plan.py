@@ -55,7 +55,7 @@ class FramePlan:
     Attributes:
         poses: [N, 3] float32, map frame.
         kinds: [N] uint8: GRID, RANDOM, HELD_OUT or HELD_CELL.
-        splits: [N] uint8: the paper's label of grid frames; TRAIN or VALIDATION for random ones, TEST for those held out.
+        splits: [N] uint8: the paper's label of grid frames; TRAIN or VALIDATION for random ones, else TEST.
         chunks: [V, 2] first frame and the one after the last of each piece of work; none depends on another.
         ways: For each chunk the points [W, 2] on which the robot comes to it; empty where it is set down anew.
     """

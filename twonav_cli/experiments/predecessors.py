@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from twonav_cli.stages.maze_stage import MazeStage
     from twonav_cli.stages.sim3d_stage import Sim3dOptions, Sim3dStage
 
+OURS = "belief"
+"""Our own network, as `localizer.networks` names it."""
+
 STAGE_BEFORE = {"3d": "maze"}
 """The stage whose agent a stage goes on from (2d comes between them once it exists)."""
 
@@ -77,6 +80,11 @@ def _fit_of(folder: Path, scene_digest: str | None, map_digest: str | None) -> i
     if card.get("scene_digest") != scene_digest:
         return 0
     return 2 if map_digest is None or card.get("map_digest") in (None, map_digest) else 1
+
+
+def localizer_name(network: str | None) -> str:
+    """Return the checkpoint's name of a localizer: ours is "localizer", the paper's say which network they are."""
+    return "localizer" if network in (None, OURS) else f"localizer-{network}"
 
 
 def load_agent(floor: Floor, stage: str, chosen: Path | None = None, own_first: bool = False) -> Agent:

@@ -20,16 +20,23 @@ def pose_errors(estimated: Poses, true: Poses) -> tuple[NDArray[np.float64], NDA
 
 
 def error_metrics(estimated: Poses, true: Poses) -> dict[str, float]:
-    """Return mean, median and tail of the position and heading errors of poses [N, 3] (the measures of Table 4)."""
+    """Return the position and heading errors of poses [N, 3]: mean and deviation (Table 4), median, tail, shares."""
     distance_m, angle_rad = pose_errors(estimated, true)
     angle_deg = np.rad2deg(angle_rad)
     return {
         "n": len(distance_m),
-        "pos_mean_m": float(distance_m.mean()),
-        "pos_median_m": float(np.median(distance_m)),
-        "pos_p95_m": float(np.percentile(distance_m, 95)),
-        "pos_p99_m": float(np.percentile(distance_m, 99)),
-        "ang_mean_deg": float(angle_deg.mean()),
-        "ang_median_deg": float(np.median(angle_deg)),
-        "ang_p95_deg": float(np.percentile(angle_deg, 95)),
+        **_spread("pos", "m", distance_m),
+        **_spread("ang", "deg", angle_deg),
+        "within_5cm_5deg": float(((distance_m <= 0.05) & (angle_deg <= 5.0)).mean()),
+        "within_25cm_2deg": float(((distance_m <= 0.25) & (angle_deg <= 2.0)).mean()),
+    }
+
+
+def _spread(name: str, unit: str, errors: NDArray[np.float64]) -> dict[str, float]:
+    return {
+        f"{name}_mean_{unit}": float(errors.mean()),
+        f"{name}_std_{unit}": float(errors.std()),
+        f"{name}_median_{unit}": float(np.median(errors)),
+        f"{name}_p95_{unit}": float(np.percentile(errors, 95)),
+        f"{name}_p99_{unit}": float(np.percentile(errors, 99)),
     }

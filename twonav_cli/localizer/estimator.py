@@ -1,61 +1,60 @@
-"""The trained localizer: one picture in, one pose out.
+"""The trained localizer, whichever network it is: pictures in; poses out, and beliefs where the network has them.
 
-B batch; rows, cols of the grid of position bins.
+B batch.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from torch import Tensor, nn
 
-from twonav_cli.checkpoint import Arrays, Card, load_checkpoint
+from twonav_cli.belief import Belief
+from twonav_cli.checkpoint import Card, load_checkpoint
 from twonav_cli.config import IMAGE_PX
 from twonav_cli.errors import TwonavError
-from twonav_cli.geometry import Pose
 from twonav_cli.grid import GridFrame
-from twonav_cli.localizer.networks import PoseNetwork, build_network, network_input
-from twonav_cli.localizer.pose_code import HEADING_BINS, Decoded, PoseCode
+from twonav_cli.localizer.belief_head import BeliefHead
+from twonav_cli.localizer.belief_network import BeliefNetwork
+from twonav_cli.localizer.heads import Head
+from twonav_cli.localizer.networks import NetworkSpec
+from twonav_cli.localizer.paper_networks import Cnn
+from twonav_cli.localizer.pictures import network_input
+from twonav_cli.localizer.stored_network import unpacked
 
 _SHAPE = (IMAGE_PX, IMAGE_PX, 3)
 _PORTION = 64
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """Where the localizer thinks the robot is.
-
-    Attributes:
-        pose: In the map frame.
-        confidence: Probability of the window of 5 x 5 bins that the position was read from, 0 to 1.
-        grid_belief: [rows, cols] float32 probability of each position bin.
-        frame: Where the bins lie.
-    """
-
-    pose: Pose
-    confidence: float
-    grid_belief: NDArray[np.float32]
-    frame: GridFrame
-
-
 class Estimator:
-    """A localizer's network with its bins, ready for use on one core."""
+    """A localizer's network with the meaning of its output, ready for use on one core."""
 
-    def __init__(self, network: PoseNetwork, code: PoseCode, card: Card) -> None:
+    def __init__(self, spec: NetworkSpec, network: nn.Module, head: Head, card: Card) -> None:
         network.eval()
-        network.fold()
+        if isinstance(network, Cnn | BeliefNetwork):
+            network.fold()
         self._network = network.requires_grad_(False)
-        self._code = code
+        self._pictures = spec.pictures
+        self._head = head
         self.card = card
 
     @property
+    def gives_beliefs(self) -> bool:
+        """Whether it says how sure it is; the paper's networks give poses only."""
+        return isinstance(self._head, BeliefHead)
+
+    @property
     def frame(self) -> GridFrame:
-        """Grid of the belief."""
-        return self._code.frame
+        """Grid of the belief.
+
+        Raises:
+            TwonavError: The network gives poses only.
+        """
+        return self._belief_head().code.frame
 
     @classmethod
     def load(cls, folder: Path, scene_digest: str | None = None) -> Estimator:
@@ -70,21 +69,29 @@ class Estimator:
         """
         arrays, card = load_checkpoint(folder, "localizer", scene_digest)
         try:
-            network, code = _rebuilt(arrays, card)
-        except (KeyError, TypeError, ValueError, RuntimeError) as error:
+            spec, network, head = unpacked(arrays, card)
+        except (KeyError, TypeError, ValueError, RuntimeError, TwonavError) as error:
             raise TwonavError(f"the localizer in {folder} is of another version of twonav: train it again") from error
-        return cls(network, code, card)
+        return cls(spec, network, head, card)
 
-    def estimate(self, image: NDArray[np.uint8]) -> Estimate:
-        """Return pose, confidence and belief of an image uint8 [84, 84, 3] RGB.
+    def estimate(self, image: NDArray[np.uint8]) -> Belief:
+        """Return the belief of an image uint8 [84, 84, 3] RGB.
 
         Raises:
-            TwonavError: The image has another shape or type.
+            TwonavError: The image has another shape or type, or the network gives poses only.
         """
-        decoded = self._decoded(image[None])
-        x_m, y_m, theta_rad = (float(value) for value in decoded.poses[0])
-        belief = self._code.belief(decoded.positions[0].numpy())
-        return Estimate(Pose(x_m, y_m, theta_rad), float(decoded.confidence[0]), belief, self.frame)
+        return self.beliefs(image[None])[0]
+
+    def beliefs(self, images: NDArray[np.uint8]) -> list[Belief]:
+        """Return the beliefs [B] of images uint8 [B, 84, 84, 3].
+
+        Raises:
+            TwonavError: The images have another shape or type, or the network gives poses only.
+        """
+        head = self._belief_head()
+        starts = range(0, len(images), _PORTION)
+        outputs = (self._outputs(images[start : start + _PORTION]) for start in starts)
+        return [belief for part in outputs for belief in head.beliefs(part)]
 
     def estimate_many(self, images: NDArray[np.uint8]) -> NDArray[np.float64]:
         """Return the poses [B, 3] of images uint8 [B, 84, 84, 3].
@@ -93,10 +100,18 @@ class Estimator:
             TwonavError: The images have another shape or type.
         """
         starts = range(0, len(images), _PORTION)
-        poses = [self._decoded(images[start : start + _PORTION]).poses.double().numpy() for start in starts]
+        outputs = (self._outputs(images[start : start + _PORTION]) for start in starts)
+        poses = [self._head.poses(part).double().numpy() for part in outputs]
         return np.concatenate(poses) if poses else np.zeros((0, 3))
 
-    def _decoded(self, images: NDArray[Any]) -> Decoded:
+    def _belief_head(self) -> BeliefHead:
+        if not isinstance(self._head, BeliefHead):
+            network = self.card["settings"]["network"]
+            raise TwonavError(f"the network {network} gives poses without a belief: train the network belief")
+        return self._head
+
+    def _outputs(self, images: NDArray[Any]) -> Tensor:
+        """Return the network's numbers [B, outputs]."""
         if not isinstance(images, np.ndarray) or images.shape[1:] != _SHAPE or images.dtype != np.uint8:
             raise TwonavError(
                 f"the localizer needs uint8 RGB pictures of {IMAGE_PX} x {IMAGE_PX} x 3, "
@@ -104,19 +119,4 @@ class Estimator:
             )
         with torch.inference_mode():
             pixels = torch.from_numpy(np.ascontiguousarray(images))
-            return self._code.decode(*self._network(network_input(pixels)))
-
-
-def _rebuilt(arrays: Arrays, card: Card) -> tuple[PoseNetwork, PoseCode]:
-    """Return the network and the bins of a checkpoint."""
-    settings = card["settings"]
-    code = PoseCode(GridFrame(**settings["bins"]), arrays["bins"].astype(np.int64))
-    network = build_network(settings["architecture"], len(code.bins), HEADING_BINS)
-    prefix = "network."
-    weights = {
-        name.removeprefix(prefix): torch.from_numpy(array.astype(np.float32) if array.dtype == np.float16 else array)
-        for name, array in arrays.items()
-        if name.startswith(prefix)
-    }
-    network.load_state_dict(weights)
-    return network, code
+            return self._network(network_input(pixels, self._pictures))  # type: ignore[no-any-return]  # a module returns Any

@@ -27,11 +27,20 @@ def thumbnails(store: FrameStore, indices: Indices) -> NDArray[np.float32]:
     return np.concatenate(parts)
 
 
-def nearest_poses(store: FrameStore, training: Indices, queries: Indices) -> NDArray[np.float32]:
-    """Return the labels [Q, 3] of the training frames whose thumbnails differ least, by squared difference."""
+def nearest_poses(
+    store: FrameStore, training: Indices, queries: Indices, queried: FrameStore | None = None
+) -> NDArray[np.float32]:
+    """Return the labels [Q, 3] of the training frames whose thumbnails differ least, by squared difference.
+
+    Args:
+        store: Holds the training frames.
+        training: Which frames are known.
+        queries: Which frames are to be placed.
+        queried: Holds the frames to place; None if they are in the same store.
+    """
     best = np.full(len(queries), np.inf, dtype=np.float32)
     chosen = np.zeros(len(queries), dtype=np.int64)
-    wanted = thumbnails(store, queries)
+    wanted = thumbnails(store if queried is None else queried, queries)
     for start in range(0, len(training), _PORTION):
         part = training[start : start + _PORTION]
         known = thumbnails(store, part)

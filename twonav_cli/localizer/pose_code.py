@@ -6,6 +6,7 @@ classifies instead. P position bins, W = 25 bins of a window, H heading bins, B 
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +22,7 @@ POSITION_BIN_M = 0.27
 
 _REACH = 2
 _MISSING_M = 1e6
+_TINY = 1e-12
 
 
 @dataclass(frozen=True)
@@ -76,6 +78,12 @@ class PoseCode:
                 seen[row + d_row, col + d_col] = True
         return cls(frame, np.flatnonzero(seen), sigma_bins)
 
+    def to(self, device: torch.device) -> PoseCode:
+        """Return the code with its tensors on a device."""
+        moved = copy(self)
+        moved._windows, moved._centres = self._windows.to(device), self._centres.to(device)
+        return moved
+
     def position_targets(self, poses: Tensor) -> tuple[Tensor, Tensor]:
         """Return the window of bins [B, W] around each pose [B, 3] and the Gaussian weight [B, W] of each bin in it."""
         nearest = torch.cdist(poses[:, :2], self._centres).argmin(dim=1)
@@ -86,7 +94,7 @@ class PoseCode:
 
     def heading_targets(self, poses: Tensor) -> Tensor:
         """Return the Gaussian weight [B, H] of every heading bin; bin h is centred at h + 1/2 bins from +x."""
-        away = poses[:, 2:3] * (HEADING_BINS / (2 * torch.pi)) - (torch.arange(HEADING_BINS) + 0.5)
+        away = poses[:, 2:3] * (HEADING_BINS / (2 * torch.pi)) - (torch.arange(HEADING_BINS, device=poses.device) + 0.5)
         away = torch.remainder(away + HEADING_BINS / 2, HEADING_BINS) - HEADING_BINS / 2
         weights = torch.exp(-away.square() / (2 * self.sigma_bins**2))
         return weights / weights.sum(dim=1, keepdim=True)
@@ -99,15 +107,32 @@ class PoseCode:
             heading_logits: [B, H].
         """
         positions = position_logits.float().softmax(dim=1)
-        window = self._windows[positions.argmax(dim=1)]
-        padded = torch.nn.functional.pad(positions, (0, 1))
-        near = padded.gather(1, window)
-        confidence = near.sum(dim=1)
-        # Where there is no bin the probability is 0, but 0 times a far-away centre would still cost precision.
-        centres = self._centres[window] * (window < len(self.bins))[..., None]
-        place = (near[..., None] * centres).sum(dim=1) / confidence[:, None]
-        heading = self._decoded_heading(heading_logits.float().softmax(dim=1))
-        return Decoded(torch.cat([place, heading[:, None]], dim=1), confidence, positions)
+        weights, places = self.place_modes(positions, 1)
+        _, headings = heading_modes(heading_logits.float().softmax(dim=1), 1)
+        return Decoded(torch.cat([places[:, 0], headings], dim=1), weights[:, 0], positions)
+
+    def place_modes(self, positions: Tensor, count: int) -> tuple[Tensor, Tensor]:
+        """Return the likeliest places of beliefs [B, P]: their probabilities [B, count], and where they are.
+
+        Args:
+            positions: [B, P] probability of each position bin.
+            count: How many are wanted; each is looked for in what the windows of those before leave.
+
+        Returns:
+            The probability of the window around each [B, count], and the mean of the belief in it [B, count, 2].
+        """
+        left = torch.nn.functional.pad(positions, (0, 1))
+        weights, places = [], []
+        for number in range(count):
+            window = self._windows[left[:, :-1].argmax(dim=1)]
+            near = left.gather(1, window)
+            weights.append(near.sum(dim=1))
+            # Where there is no bin the probability is 0, but 0 times a far-away centre would still cost precision.
+            centres = self._centres[window] * (window < len(self.bins))[..., None]
+            places.append((near[..., None] * centres).sum(dim=1) / weights[-1].clamp(min=_TINY)[:, None])
+            if number + 1 < count:
+                left = left.scatter(1, window, 0.0)
+        return torch.stack(weights, dim=1), torch.stack(places, dim=1)
 
     def belief(self, positions: NDArray[np.float32]) -> NDArray[np.float32]:
         """Return the probabilities of the bins [P] as a grid [rows, cols], 0 where there is no bin."""
@@ -115,12 +140,20 @@ class PoseCode:
         grid[self.bins] = positions
         return grid.reshape(self.frame.shape)
 
-    @staticmethod
-    def _decoded_heading(headings: Tensor) -> Tensor:
-        """Return the angle [B] of beliefs [B, H], in [-pi, pi)."""
-        mode = headings.argmax(dim=1, keepdim=True)
-        offsets = torch.arange(-_REACH, _REACH + 1)
-        near = headings.gather(1, (mode + offsets) % HEADING_BINS)
-        shift = (near * offsets).sum(dim=1) / near.sum(dim=1)
+
+def heading_modes(headings: Tensor, count: int) -> tuple[Tensor, Tensor]:
+    """Return the likeliest headings of beliefs [B, H]: probabilities, and angles in [-pi, pi), both [B, count]."""
+    offsets = torch.arange(-_REACH, _REACH + 1, device=headings.device)
+    left = headings
+    weights, angles = [], []
+    for number in range(count):
+        mode = left.argmax(dim=1, keepdim=True)
+        window = (mode + offsets) % HEADING_BINS
+        near = left.gather(1, window)
+        weights.append(near.sum(dim=1))
+        shift = (near * offsets).sum(dim=1) / weights[-1].clamp(min=_TINY)
         theta = (mode[:, 0] + 0.5 + shift) * (2 * torch.pi / HEADING_BINS)
-        return torch.remainder(theta + torch.pi, 2 * torch.pi) - torch.pi
+        angles.append(torch.remainder(theta + torch.pi, 2 * torch.pi) - torch.pi)
+        if number + 1 < count:
+            left = left.scatter(1, window, 0.0)
+    return torch.stack(weights, dim=1), torch.stack(angles, dim=1)

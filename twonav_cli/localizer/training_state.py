@@ -17,35 +17,60 @@ STATE_FILE = "training.safetensors"
 
 _MOMENTS = ("exp_avg", "exp_avg_sq")
 
+Facts = dict[str, Any]
+"""JSON values."""
 
-def save_state(folder: Path, network: nn.Module, optimizer: torch.optim.AdamW, facts: dict[str, Any]) -> Path:
-    """Write weights, the optimizer's moments and a few facts (JSON values, among them "step").
+
+def save_state(folder: Path, network: nn.Module, optimizer: torch.optim.AdamW, facts: Facts) -> Path:
+    """Write weights, the optimizer's moments and a few facts.
 
     Raises:
         TwonavError: The folder cannot be written.
     """
     from safetensors.numpy import save
 
-    arrays = {f"network.{name}": value.detach().numpy() for name, value in network.state_dict().items()}
+    arrays = {f"network.{name}": value.detach().cpu().numpy() for name, value in network.state_dict().items()}
     for name, parameter in network.named_parameters():
         for moment in _MOMENTS:
             if parameter in optimizer.state:
-                arrays[f"{moment}.{name}"] = optimizer.state[parameter][moment].numpy()
+                arrays[f"{moment}.{name}"] = optimizer.state[parameter][moment].cpu().numpy()
     contiguous = {name: np.ascontiguousarray(array) for name, array in arrays.items()}
     return write_whole(folder / STATE_FILE, save(contiguous, metadata={"facts": json.dumps(facts)}))
 
 
-def load_state(folder: Path, network: nn.Module, optimizer: torch.optim.AdamW, facts: dict[str, Any]) -> int:
-    """Restore a training in place.
+class FoundState:
+    """A training's state as it was read.
+
+    Attributes:
+        facts: As they were saved.
+    """
+
+    def __init__(self, facts: Facts, arrays: dict[str, Tensor]) -> None:
+        self.facts = facts
+        self._arrays = arrays
+
+    def restore_weights(self, network: nn.Module) -> None:
+        """Put the weights into a network."""
+        prefix = "network."
+        own = {name.removeprefix(prefix): x for name, x in self._arrays.items() if name.startswith(prefix)}
+        network.load_state_dict(own)
+
+    def restore_moments(self, network: nn.Module, optimizer: torch.optim.AdamW, updates: int) -> None:
+        """Put the moments into an optimizer that has made some updates."""
+        for name, parameter in network.named_parameters():
+            keys = {moment: f"{moment}.{name}" for moment in _MOMENTS}
+            if all(key in self._arrays for key in keys.values()):
+                moments = {moment: torch.empty_like(parameter).copy_(self._arrays[key]) for moment, key in keys.items()}
+                count = torch.tensor(float(updates), device=parameter.device)
+                optimizer.state[parameter] = {"step": count, **moments}
+
+
+def find_state(folder: Path, must_agree: Facts) -> FoundState | None:
+    """Read the state of a training; None where there is none.
 
     Args:
-        folder: Where the state is.
-        network: Gets the weights.
-        optimizer: Gets the moments.
-        facts: What must have been the same; the state may hold more.
-
-    Returns:
-        The number of batches done; 0 where there is no state.
+        folder: Where it is.
+        must_agree: What must be the same in the state's facts; they may hold more.
 
     Raises:
         TwonavError: The state is damaged, or of a training with other settings.
@@ -54,18 +79,17 @@ def load_state(folder: Path, network: nn.Module, optimizer: torch.optim.AdamW, f
 
     path = folder / STATE_FILE
     if not path.exists():
-        return 0
+        return None
     try:
         with safe_open(path, framework="numpy") as file:
-            found = json.loads((file.metadata() or {}).get("facts", "{}"))
+            facts = json.loads((file.metadata() or {}).get("facts", "{}"))
             arrays = {name: torch.from_numpy(file.get_tensor(name)) for name in file.keys()}  # noqa: SIM118
-        step = int(found.pop("step"))
-    except (OSError, SafetensorError, ValueError, KeyError, AttributeError) as error:
+        int(facts["step"])
+    except (OSError, SafetensorError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise TwonavError(f"{path} is damaged: delete it and train from the start") from error
-    if not _agrees(found, json.loads(json.dumps(facts))):
+    if not _agrees(facts, json.loads(json.dumps(must_agree))):
         raise TwonavError(f"{path} is of a training with other settings or frames: use the same, or start anew")
-    _restore(network, optimizer, arrays, step)
-    return step
+    return FoundState(facts, arrays)
 
 
 def _agrees(found: Any, wanted: Any) -> bool:
@@ -73,13 +97,3 @@ def _agrees(found: Any, wanted: Any) -> bool:
     if isinstance(wanted, dict):
         return isinstance(found, dict) and all(_agrees(found.get(key), value) for key, value in wanted.items())
     return bool(found == wanted)
-
-
-def _restore(network: nn.Module, optimizer: torch.optim.AdamW, arrays: dict[str, Tensor], step: int) -> None:
-    prefix = "network."
-    network.load_state_dict({k.removeprefix(prefix): v for k, v in arrays.items() if k.startswith(prefix)})
-    for name, parameter in network.named_parameters():
-        moments = {moment: arrays[f"{moment}.{name}"] for moment in _MOMENTS if f"{moment}.{name}" in arrays}
-        if moments:
-            layout = {key: torch.empty_like(parameter).copy_(value) for key, value in moments.items()}
-            optimizer.state[parameter] = {"step": torch.tensor(float(step)), **layout}

@@ -123,9 +123,7 @@ class FreeSpace:
         from scipy.sparse.csgraph import dijkstra
 
         first = self._check(start)
-        lengths, before = dijkstra(
-            self._graph, directed=False, indices=first, return_predecessors=True, limit=limit
-        )
+        lengths, before = dijkstra(self._graph, directed=False, indices=first, return_predecessors=True, limit=limit)
         return PathTree(np.asarray(lengths, dtype=np.float64).reshape(self.free.shape), before, start)
 
     def path(self, start: Cell, goal: Cell) -> list[Cell]:

@@ -4,11 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
+from twonav_cli.experiments.localizer_tables.error_map import ErrorMapReport
+from twonav_cli.experiments.localizer_tables.report import LocalizerReport
 from twonav_cli.experiments.tables.report import Report
+from twonav_cli.grid import GridFrame
+from twonav_cli.plotting.error_map_plot import draw_error_maps
 from twonav_cli.plotting.fig8_plot import draw_fig8
 from twonav_cli.plotting.goal_table_plot import draw_goal_table
+from twonav_cli.plotting.localizer_table_plot import draw_localizer_table
 from twonav_cli.plotting.sensitivity_plot import draw_sensitivity
 from twonav_cli.plotting.step_table_plot import draw_step_table
 from twonav_cli.plotting.style import png_bytes
@@ -24,6 +31,13 @@ PICTURES: dict[str, Callable[[Report], Figure]] = {
 """A key of TABLES to what draws it."""
 
 
-def picture_of(report: Report) -> bytes:
-    """Return the picture of a report as a PNG file."""
+def picture_of(report: Report | LocalizerReport) -> bytes:
+    """Return the picture of a table as a PNG file."""
+    if isinstance(report, LocalizerReport):
+        return png_bytes(draw_localizer_table(report))
     return png_bytes(PICTURES[report.table](report))
+
+
+def picture_of_maps(report: ErrorMapReport, occupied: NDArray[np.bool_], frame: GridFrame) -> bytes:
+    """Return the picture of Fig. 7 over a floor plan [R, C] as a PNG file."""
+    return png_bytes(draw_error_maps(report, occupied, frame))

@@ -21,6 +21,13 @@ from twonav_cli.terminal.map_options import (
     ResolutionOption,
 )
 from twonav_cli.terminal.map_source import MapFromOption
+from twonav_cli.terminal.reproduce_options import (
+    NetworksOption,
+    OnlyFinishedOption,
+    QuickRowsOption,
+    RowDeviceOption,
+    RowImagesOption,
+)
 from twonav_cli.terminal.train_options import (
     CoolingOption,
     DiscountOption,
@@ -51,9 +58,18 @@ JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object 
 RecordOption = Annotated[Path | None, typer.Option("--record", help="Where the recording (.rrd) goes.")]
 NoRecordOption = Annotated[bool, typer.Option("--no-record", help="Write no recording.")]
 BaseOption = Annotated[str, typer.Option("--base", help="omni or differential.")]
+LocalizerOption = Annotated[
+    str,
+    typer.Option("--localizer", help="filtered (camera and odometry), raw (each picture alone) or truth (3d only)."),
+]
 CheckpointsOption = Annotated[
     Path | None,
     typer.Option("--checkpoints", help="Folder of a scene's checkpoints (maze, localizer, 3d); default: the shipped."),
+]
+
+
+NetworkOption = Annotated[
+    str | None, typer.Option("--network", help="Ours (belief) or one of the paper's, as inception-9 (localizer only).")
 ]
 
 
@@ -69,7 +85,7 @@ def play(
     record: RecordOption = None,
     no_record: NoRecordOption = False,
     plain: Annotated[bool, typer.Option("--plain", help="One line per action instead of the live screen.")] = False,
-    localizer: Annotated[str, typer.Option("--localizer", help="raw (camera) or truth (3d only).")] = "raw",
+    localizer: LocalizerOption = "filtered",
     base: BaseOption = "omni",
     speed: Annotated[float, typer.Option("--speed", min=0.0, help="Simulated seconds per second; 0: no limit.")] = 4.0,
     checkpoints: CheckpointsOption = None,
@@ -89,7 +105,7 @@ def play(
 
 @app.command()
 def train(
-    stage: Annotated[str, typer.Option("--stage", help="map, maze, localizer or 3d.")],
+    stage: Annotated[str, typer.Option("--stage", help="map, maze, frames, localizer or 3d.")],
     scene: Annotated[
         str | None,
         typer.Option(
@@ -107,6 +123,11 @@ def train(
     images: Annotated[
         int | None, typer.Option("--images", min=1, help="Pictures shown in all, repeats included (localizer only).")
     ] = None,
+    network: Annotated[
+        str | None,
+        typer.Option("--network", help="Ours (belief) or one of the paper's, as inception-9 (localizer only)."),
+    ] = None,
+    device: Annotated[str | None, typer.Option("--device", help="cpu, cuda or auto (localizer only).")] = None,
     base: TrainBaseOption = None,
     map_from: MapFromOption = None,
     json_: JsonOption = False,
@@ -128,8 +149,8 @@ def train(
     choices = LearningChoices(learner, preset, discount, temperature, initial_q, goal_selection, exploration, cooling)
     request = TrainRequest(
         stage=stage, scene=scene, seed=seed, resume=resume, out=out, record=record, recording=not no_record,
-        quick=quick, images=images, base=base, as_json=json_, watch=watch, random_maze=random_maze, map_from=map_from,
-        choices=choices,
+        quick=quick, images=images, network=network, device=device, base=base, as_json=json_, watch=watch,
+        random_maze=random_maze, map_from=map_from, choices=choices,
     )  # fmt: skip
     raise typer.Exit(run_train(request))
 
@@ -163,12 +184,19 @@ def map_log(
 @app.command()
 def evaluate(
     stage: Annotated[str, typer.Option("--stage", help="3d, maze or localizer.")] = "3d",
-    localizer: Annotated[str, typer.Option("--localizer", help="raw (camera) or truth (3d only).")] = "raw",
+    localizer: LocalizerOption = "raw",
     scene: SceneOption = "apartment",
     seed: SeedOption = 0,
     record: RecordOption = None,
     base: BaseOption = "omni",
     frames: Annotated[int, typer.Option("--frames", min=1, help="Held-out random poses (localizer only).")] = 4000,
+    track_frames: Annotated[
+        int, typer.Option("--track-frames", min=0, help="Frames along driven tracks (localizer only).")
+    ] = 5000,
+    kidnaps: Annotated[
+        int, typer.Option("--kidnaps", min=0, help="Times the robot is carried off (localizer only).")
+    ] = 400,
+    network: NetworkOption = None,
     checkpoints: CheckpointsOption = None,
     map_from: MapFromOption = None,
     json_: JsonOption = False,
@@ -178,14 +206,20 @@ def evaluate(
 
     request = EvaluateRequest(
         stage=stage, localizer=localizer, scene=scene, seed=seed, record=record, base=base, frames=frames,
-        checkpoints=checkpoints, map_from=map_from, as_json=json_,
+        track_frames=track_frames, kidnaps=kidnaps, network=network, checkpoints=checkpoints, map_from=map_from,
+        as_json=json_,
     )  # fmt: skip
     raise typer.Exit(run_evaluate(request))
 
 
 @app.command()
 def reproduce(
-    table: Annotated[str, typer.Argument(help="table5, table6, table7, table8, fig8, sensitivity or all.")],
+    table: Annotated[
+        str,
+        typer.Argument(
+            help="table5, table6, table7, table8, fig8, sensitivity, all of these; or table3, table4, fig7 (networks)."
+        ),
+    ],
     repeats: Annotated[
         int | None,
         typer.Option("--repeats", help="Runs of every method on every maze; default: 10, in the sensitivity sweep 3."),
@@ -196,29 +230,47 @@ def reproduce(
         typer.Option("--discount", help="For every learner; default: 0.99 for the paper's, their own for the others."),
     ] = None,
     cooling: Annotated[
-        str, typer.Option("--cooling", help="T cools per-goal, anew for each, or once, over all goals.")
-    ] = "per-goal",
+        str | None,
+        typer.Option(
+            "--cooling", help="T cools per-goal, anew for each, or once, over all goals.", show_default="per-goal"
+        ),
+    ] = None,
     mazes: Annotated[
         int | None, typer.Option("--mazes", help="Random mazes (table5, table6, sensitivity).", show_default="10")
     ] = None,
     scene: Annotated[
-        str | None, typer.Option("--scene", help="Whose maze (table7, table8, fig8).", show_default="apartment")
+        str | None,
+        typer.Option(
+            "--scene",
+            help="Whose maze (table7, table8, fig8), or only whose rows (table3, table4, fig7).",
+            show_default="apartment, or all rows",
+        ),
     ] = None,
     map_from: MapFromOption = None,
     processes: Annotated[
         int | None, typer.Option("--processes", help="Workers that share the runs; default: one for each processor.")
     ] = None,
+    quick: QuickRowsOption = False,
+    images: RowImagesOption = None,
+    device: RowDeviceOption = None,
+    networks: NetworksOption = None,
+    only_finished: OnlyFinishedOption = False,
     json_: JsonOption = False,
     out: Annotated[
         Path | None, typer.Option("--out", help="Folder for NAME.json and NAME.png; default: runs/reproduce.")
     ] = None,
 ) -> None:
-    """Make a table or figure of the paper again, and print it beside the paper's figures."""
+    """Make a table or figure of the paper again, and print it beside the paper's figures.
+
+    Those about mazes take two minutes together (all). Those about localizers train the paper's networks, which takes
+    hours: they can be interrupted at any time and go on where they were.
+    """
     from twonav_cli.terminal.reproduce import ReproduceRequest, run_reproduce
 
     request = ReproduceRequest(
         table=table, repeats=repeats, seed=seed, discount=discount, mazes=mazes, scene=scene, processes=processes,
-        as_json=json_, out=out, cooling=cooling, map_from=map_from,
+        as_json=json_, out=out, cooling=cooling, map_from=map_from, quick=quick, images=images, device=device,
+        networks=networks, only_finished=only_finished,
     )  # fmt: skip
     raise typer.Exit(run_reproduce(request))
 

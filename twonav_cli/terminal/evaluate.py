@@ -36,6 +36,9 @@ class EvaluateRequest:
     record: Path | None = None
     base: str = "omni"
     frames: int = 4000
+    track_frames: int = 5000
+    kidnaps: int = 400
+    network: str | None = None
     checkpoints: Path | None = None
     map_from: str | None = None
     as_json: bool = False
@@ -47,7 +50,12 @@ def run_evaluate(request: EvaluateRequest) -> int:
     floor = read_floor(request.scene, request.map_from, chosen=request.checkpoints)
     if request.stage == "localizer":
         report = _localizer_report(request, floor)
-        print(json.dumps(report)) if request.as_json else _print_errors(report)
+        if request.as_json:
+            print(json.dumps(report))
+        else:
+            from twonav_cli.terminal.localizer_figures import print_figures
+
+            print_figures(report)
         tell_source(floor, request.scene, request.map_from)
         return 0
     with StopOnInterrupt("stopping after this pair") as stop:
@@ -63,8 +71,8 @@ def _pairs(request: EvaluateRequest, floor: Floor, should_stop: Callable[[], boo
     from twonav_cli.terminal.recordings import recording
 
     agent = load_agent(floor, request.stage, request.checkpoints)
-    camera_only = request.stage == "3d" and request.localizer == "raw"
-    localize = load_localize(floor, request.checkpoints) if camera_only else None
+    uses_camera, filtered = request.stage == "3d" and request.localizer != "truth", request.localizer == "filtered"
+    localize = load_localize(floor, request.checkpoints, filtered=filtered, seed=request.seed) if uses_camera else None
     stage = make_stage(floor, request.stage, localize, request.seed, _options(request))
     begun = RunStarted(
         Clock(), "evaluate", request.stage, floor.scene.name, request.seed, {"localizer": request.localizer},
@@ -100,20 +108,16 @@ def _options(request: EvaluateRequest) -> Any:
 
 
 def _localizer_report(request: EvaluateRequest, floor: Floor) -> dict[str, Any]:
-    """Return the errors on held-out random poses, and on the paper's split, beside a nearest-neighbour row."""
-    from twonav_cli.experiments.localizer_errors import localizer_errors
-    from twonav_cli.experiments.predecessors import checkpoint_folder
+    """Return the figures of a localizer, beside the rows of the most alike training frame."""
+    from twonav_cli.experiments.localizer_report import ReportConfig
+    from twonav_cli.experiments.predecessors import checkpoint_folder, localizer_name
+    from twonav_cli.terminal.localizer_figures import figures_of
 
     scene, digest = floor.scene, floor.map.digest
-    folder = checkpoint_folder(
-        scene.name, "localizer", request.checkpoints, False, scene.digest, digest, floor.map_source
-    )
-    with progress() as bar:
-        task = bar.add_task("frames", total=None, result="")
-        return localizer_errors(
-            floor, folder, request.frames, request.seed,
-            lambda done, total: bar.update(task, completed=done, total=total),
-        )  # fmt: skip
+    name = localizer_name(request.network)
+    folder = checkpoint_folder(scene.name, name, request.checkpoints, False, scene.digest, digest, floor.map_source)
+    config = ReportConfig(request.frames, request.track_frames, request.kidnaps)
+    return figures_of(floor, folder, config, request.seed)
 
 
 def _print_pairs(report: dict[str, Any]) -> None:
@@ -129,19 +133,6 @@ def _print_pairs(report: dict[str, Any]) -> None:
     causes = ", ".join(f"{cause} {count}" for cause, count in report["causes"].items()) or "none"
     out().print(f"failures: {causes}; collisions: {report['collisions']}")
     out().print(f"{_number(report['actions_per_s'], 1)} actions per second")
-
-
-def _print_errors(report: dict[str, Any]) -> None:
-    from twonav_cli.terminal.console import out
-
-    table = Table(box=None, pad_edge=False)
-    kinds = [kind for kind in ("off_grid", "paper_split", "off_grid_nearest_frame") if kind in report]
-    table.add_column("errors")
-    for kind in kinds:
-        table.add_column(kind, justify="right")
-    for key in report["off_grid"]:
-        table.add_row(key, *(_number(report[kind][key], 0 if key == "n" else 3) for kind in kinds))
-    out().print(table)
 
 
 def _number(value: float | None, digits: int) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from rich.table import Table
 
+from twonav_cli.recording.looks import WRONG_M, LookSummary
 from twonav_cli.recording.mapped import MappingSummary
 from twonav_cli.recording.reader import Summary, TrialRow, how_to_seek, summarize
 from twonav_cli.recording.trained_goals import TrainedGoal, why_chosen
@@ -55,6 +56,8 @@ def _print_summary(summary: Summary, file: Path) -> None:
             console.print(f"(the last {shown} of {len(summary.trials)} recorded trials)")
     if summary.counts:
         console.print("outcomes: " + ", ".join(f"{name} {count}" for name, count in summary.counts.items()))
+    if summary.looks is not None:
+        console.print(looks_line(summary.looks), soft_wrap=True)
     for name, value in summary.metrics.items():
         console.print(f"{name}: {value:.4g}")
     compiled = [str(row.number) for row in summary.failures if row.sampled]
@@ -65,6 +68,18 @@ def _print_summary(summary: Summary, file: Path) -> None:
         console.print(f"what went wrong in trial {row.number}: {row.cause}. {row.evidence}", soft_wrap=True)
         console.print(f"  look at it: {how_to_seek(row, summary.kind)}", soft_wrap=True)
     console.print(f"open it:  rerun {file}", soft_wrap=True)
+
+
+def looks_line(looks: LookSummary) -> str:
+    """Return how many looks were wrong, and how sure the robot was then and otherwise."""
+
+    def sure(confidence: float | None) -> str:
+        return "-" if confidence is None else f"{confidence:.2f}"
+
+    return (
+        f"looks: {looks.looks}, {looks.wrong} of them ({100 * looks.wrong_share:.1f} %) more than {WRONG_M} m off; "
+        f"confidence (median) {sure(looks.confidence_wrong)} in these, {sure(looks.confidence_right)} in the others"
+    )
 
 
 def mapping_lines(mapping: MappingSummary | None) -> list[str]:

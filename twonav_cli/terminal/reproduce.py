@@ -1,4 +1,4 @@
-"""`twonav reproduce`: the paper's tables and figures about the maze, made again beside the printed ones."""
+"""`twonav reproduce`: the paper's tables and figures, made again beside the printed ones; here those about mazes."""
 
 from __future__ import annotations
 
@@ -11,8 +11,16 @@ from typing import Any
 
 from twonav_cli.errors import TwonavError
 from twonav_cli.experiments.learning_run import LearningRun
+from twonav_cli.experiments.localizer_tables.request import LocalizerRequest
 from twonav_cli.experiments.repeats import Item, StoppedError, make_runs, processors
-from twonav_cli.experiments.tables.catalog import EVERY_TABLE, default_repeats, make_table, tables_named
+from twonav_cli.experiments.tables.catalog import (
+    EVERY_TABLE,
+    LOCALIZER_TABLES,
+    TABLES,
+    default_repeats,
+    make_table,
+    tables_named,
+)
 from twonav_cli.experiments.tables.report import Report
 from twonav_cli.experiments.tables.request import MAZES, SCENE, TableRequest
 from twonav_cli.files import writable, write_whole
@@ -25,6 +33,8 @@ from twonav_cli.terminal.map_source import tell_source
 
 OF_RANDOM_MAZES, OF_A_SCENE = ("table5", "table6", "sensitivity"), ("table7", "table8", "fig8")
 """Which tables are about random mazes, and which about a scene's."""
+
+COOLING = "per-goal"
 
 
 @dataclass(frozen=True)
@@ -40,15 +50,38 @@ class ReproduceRequest:
     processes: int | None = None
     as_json: bool = False
     out: Path | None = None
-    cooling: str = "per-goal"
+    cooling: str | None = None
     map_from: str | None = None
+    quick: bool = False
+    images: int | None = None
+    device: str | None = None
+    networks: str | None = None
+    only_finished: bool = False
+
+    @property
+    def of_localizers(self) -> bool:
+        """Whether the table is about localizers."""
+        return self.table in LOCALIZER_TABLES
+
+    @property
+    def folder(self) -> Path:
+        """Where the table goes."""
+        return self.out or runs_dir() / "reproduce"
 
     def table_request(self, table: str) -> TableRequest:
-        """Return what is asked of one table."""
+        """Return what is asked of one table about learning."""
         repeats = default_repeats(table) if self.repeats is None else self.repeats
         mazes = MAZES if self.mazes is None else self.mazes
-        scene = self.scene or SCENE
-        return TableRequest(table, repeats, self.seed, self.discount, mazes, scene, self.cooling, self.map_from)
+        cooling, scene = self.cooling or COOLING, self.scene or SCENE
+        return TableRequest(table, repeats, self.seed, self.discount, mazes, scene, cooling, self.map_from)
+
+    def localizer_request(self) -> LocalizerRequest:
+        """Return what is asked of a table about localizers."""
+        networks = tuple(name.strip() for name in (self.networks or "").split(",") if name.strip())
+        device = self.device or "auto"
+        return LocalizerRequest(
+            self.table, self.seed, self.quick, self.images, device, self.scene, networks, self.map_from
+        )
 
     def check(self) -> None:
         """Refuse what cannot be, and what the table would not look at, before anything is made.
@@ -56,15 +89,14 @@ class ReproduceRequest:
         Raises:
             TwonavError: Says what to leave out or to name instead.
         """
-        tables = [self.table_request(name) for name in tables_named(self.table)]
-        asked = (
-            ("--mazes", self.mazes, OF_RANDOM_MAZES),
-            ("--scene", self.scene, OF_A_SCENE),
-            ("--map-from", self.map_from, OF_A_SCENE),
-        )
-        for option, given, users in asked:
-            if given is not None and not any(table.table in users for table in tables):
+        names = tables_named(self.table)
+        for option, given, users in self._options():
+            if given and not any(name in users for name in names):
                 raise TwonavError(f"{option} is for {', '.join(users)}: {self.table} does not use it, so leave it out")
+        if self.of_localizers:
+            self.localizer_request().check()
+            return
+        tables = [self.table_request(name) for name in names]
         for table in tables:
             table.check()
         if len(tables) > 1 and (self.scene is not None or self.map_from is not None):
@@ -72,13 +104,40 @@ class ReproduceRequest:
         if self.processes is not None and self.processes < 1:
             raise TwonavError(f"--processes must be at least 1: {self.processes} was given")
 
+    def _options(self) -> list[tuple[str, bool, tuple[str, ...]]]:
+        """Return every option that not all tables use, whether it was given, and the tables that do."""
+        learning, with_scene = tuple(TABLES), (*LOCALIZER_TABLES, *OF_A_SCENE)
+        return [
+            ("--mazes", self.mazes is not None, OF_RANDOM_MAZES),
+            ("--scene", self.scene is not None, with_scene),
+            ("--map-from", self.map_from is not None, with_scene),
+            ("--repeats", self.repeats is not None, learning),
+            ("--discount", self.discount is not None, learning),
+            ("--cooling", self.cooling is not None, learning),
+            ("--processes", self.processes is not None, learning),
+            ("--quick", self.quick, LOCALIZER_TABLES),
+            ("--images", self.images is not None, LOCALIZER_TABLES),
+            ("--device", self.device is not None, LOCALIZER_TABLES),
+            ("--networks", self.networks is not None, LOCALIZER_TABLES),
+            ("--only-finished", self.only_finished, LOCALIZER_TABLES),
+        ]
+
 
 def run_reproduce(request: ReproduceRequest) -> int:
-    """Make, print and write the tables; returns 0, or 130 when interrupted (finished tables are kept)."""
+    """Make, print and write the tables; returns 0, or 130 when interrupted (what is finished is kept)."""
     request.check()
+    folder = writable(request.folder)
+    if request.of_localizers:
+        from twonav_cli.terminal.reproduce_localizers import run_localizers
+
+        return run_localizers(request.localizer_request(), folder, request.only_finished, request.as_json)
+    return _run_tables(request, folder)
+
+
+def _run_tables(request: ReproduceRequest, folder: Path) -> int:
+    """Make, print and write tables about learning."""
     wanted = [request.table_request(name) for name in tables_named(request.table)]
     processes = request.processes or processors()
-    folder = writable(request.out or runs_dir() / "reproduce")
     reports: dict[str, Any] = {}
     kept = "tables that are finished are kept" if len(wanted) > 1 else "nothing is kept"
     with StopOnInterrupt(f"stopping: {kept}") as stop:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from twonav_cli.checkpoint import CARD_FILE, read_card
 from twonav_cli.errors import TwonavError
+from twonav_cli.experiments.predecessors import localizer_name
 from twonav_cli.files import writable
 from twonav_cli.paths import runs_dir
 from twonav_cli.terminal.choices import check_choices
@@ -22,9 +23,11 @@ from twonav_cli.terminal.map_source import tell_source
 if TYPE_CHECKING:
     from twonav_cli.terminal.learning_place import LearningPlace
 
-STAGES = ("map", "maze", "localizer", "3d")
+STAGES = ("map", "maze", "frames", "localizer", "3d")
 DRIVEN = ("map", "3d")
 """Stages in which a robot with a base drives."""
+OF_LOCALIZER = ("network", "images", "device")
+"""Options that only the localizer's stage looks at."""
 USUAL_SCENE, USUAL_BASE = "apartment", "omni"
 
 ALREADY_LEARNED = "already-learned"
@@ -44,6 +47,8 @@ class TrainRequest:
     recording: bool = True
     quick: bool = False
     images: int | None = None
+    network: str | None = None
+    device: str | None = None
     base: str | None = None
     as_json: bool = False
     watch: bool = False
@@ -60,8 +65,9 @@ class TrainRequest:
         """Return the command that repeats this run."""
         where = ["--scene", self.scene_name] if self.random_maze is None else ["--random-maze", str(self.random_maze)]
         parts = ["twonav", "train", "--stage", self.stage, *where, "--seed", str(self.seed)]
-        if self.images is not None:
-            parts += ["--images", str(self.images)]
+        for name in OF_LOCALIZER:
+            given = getattr(self, name)
+            parts += [] if given is None else [f"--{name}", str(given)]
         if self.stage in DRIVEN:
             parts += ["--base", self.base or USUAL_BASE]
         parts += [] if self.map_from is None else ["--map-from", self.map_from]
@@ -85,8 +91,9 @@ class TrainRequest:
         asked += ["--random-maze"] * (self.random_maze is not None) + ["--watch"] * self.watch
         if asked and self.stage != "maze":
             raise TwonavError(f"{asked[0]} is for --stage maze only: leave it out, or train the maze")
-        if self.images is not None and self.stage != "localizer":
-            raise TwonavError("--images is for --stage localizer only: leave it out, or train the localizer")
+        for name in OF_LOCALIZER:
+            if getattr(self, name) is not None and self.stage != "localizer":
+                raise TwonavError(f"--{name} is for --stage localizer only: leave it out, or train the localizer")
         if self.base is not None and self.stage not in DRIVEN:
             raise TwonavError("--base is for --stage map and --stage 3d only: leave it out, or name one of them")
         if self.stage == "map" and (self.resume or self.map_from is not None):
@@ -114,14 +121,15 @@ def run_train(request: TrainRequest) -> int:
     with StopOnInterrupt(saying) as stop:
         folder, outcome, metrics = _trained(request, stop)
     _report(request, folder, outcome, metrics)
-    return {"learned": 0, "surveyed": 0, ALREADY_LEARNED: 0, "quick": 0, "stopped": 130}.get(outcome, 1)
+    return {"learned": 0, "surveyed": 0, "collected": 0, ALREADY_LEARNED: 0, "quick": 0, "stopped": 130}.get(outcome, 1)
 
 
 def _trained(request: TrainRequest, stop: StopOnInterrupt) -> tuple[Path, str, dict[str, Any]]:
     """Train what was asked for; return the checkpoint's folder, the outcome, and the metrics of the card."""
     from twonav_cli.terminal.learning_place import place_of_random_maze
 
-    name = f"{request.stage}-quick" if request.quick else request.stage
+    name = localizer_name(request.network) if request.stage == "localizer" else request.stage
+    name += "-quick" if request.quick else ""
     if request.stage == "map":
         from twonav_cli.scene.catalog import read_scene
         from twonav_cli.terminal.train_map import train_map
@@ -146,6 +154,12 @@ def _trained_on_floor(request: TrainRequest, name: str, stop: StopOnInterrupt) -
     from twonav_cli.terminal.learning_place import place_of_floor
 
     floor = read_floor(request.scene_name, request.map_from, own_first=True)
+    if request.stage == "frames":
+        from twonav_cli.terminal.train_frames import train_frames
+
+        collected = train_frames(request, floor, stop)
+        tell_source(floor, request.scene_name, request.map_from)
+        return collected
     place = place_of_floor(floor)
     folder = _checked_folder(request, request.out or runs_dir() / place.name / name)
     if request.stage == "maze":

@@ -69,7 +69,7 @@ def train_frames(
     """Collect both data sets of a scene.
 
     Returns:
-        The folder of the last, the outcome ("collected", "quick" or "stopped"), and how many frames there are.
+        The folder of the last, the outcome ("collected" or "stopped"), and how many frames there are.
 
     Raises:
         TwonavError: No renderer, or a folder that holds other frames.
@@ -83,4 +83,4 @@ def train_frames(
             return folder, "stopped", counts
         counts |= {f"{name}_frames": len(store), f"{name}_without_label": int((~store.labelled()).sum())}
         counts[f"{name}_folder"] = str(folder)
-    return folder, ("quick" if request.quick else "collected"), counts
+    return folder, "collected", counts

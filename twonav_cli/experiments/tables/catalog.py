@@ -1,10 +1,11 @@
-"""The tables by name, and making one of them."""
+"""Everything that can be reproduced, by name, and making a table about learning."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 from twonav_cli.errors import unknown_name
+from twonav_cli.experiments.localizer_tables.request import PRINTED
 from twonav_cli.experiments.tables.fig8 import fig8
 from twonav_cli.experiments.tables.method_runs import Make
 from twonav_cli.experiments.tables.report import Report
@@ -23,20 +24,24 @@ TABLES: dict[str, Callable[[TableRequest, Make], Report]] = {
     "fig8": fig8,
     "sensitivity": sensitivity,
 }
+"""Those about learning in mazes."""
+
+LOCALIZER_TABLES = tuple(PRINTED)
+"""Those about localizers, whose trainings take hours: they are made by name only."""
 
 EVERY_TABLE = "all"
 
 
 def tables_named(name: str) -> list[str]:
-    """Return the tables that a name stands for: itself, or every one for "all".
+    """Return the tables that a name stands for: itself, or every one about learning for "all".
 
     Raises:
         TwonavError: There is no such table.
     """
     if name == EVERY_TABLE:
         return list(TABLES)
-    if name not in TABLES:
-        raise unknown_name("table", name, [*TABLES, EVERY_TABLE])
+    if name not in (*TABLES, *LOCALIZER_TABLES):
+        raise unknown_name("table", name, [*LOCALIZER_TABLES, *TABLES, EVERY_TABLE])
     return [name]
 
 
@@ -46,7 +51,7 @@ def default_repeats(table: str) -> int:
 
 
 def make_table(request: TableRequest, make: Make) -> Report:
-    """Make a table.
+    """Make a table about learning.
 
     Args:
         request: Which, and from what.

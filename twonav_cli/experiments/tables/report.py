@@ -9,7 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from twonav_cli.config import LearningConfig
-from twonav_cli.experiments.paper_figures import errata_of
+from twonav_cli.experiments.paper_errata import errata_of
 from twonav_cli.experiments.repeats import STEPS_AT_MOST
 from twonav_cli.experiments.statistics import RESAMPLES, summary_of
 from twonav_cli.experiments.tables.method_runs import Runs, excess_of, floor_of, optimal_after, steps_of, values_of

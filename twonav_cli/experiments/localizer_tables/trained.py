@@ -1,0 +1,85 @@
+"""The trained network behind a row: found where it was left, or trained now; a killed training goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from twonav_cli.checkpoint import CARD_FILE, Card, read_card
+from twonav_cli.errors import TwonavError
+from twonav_cli.events import Sink
+from twonav_cli.experiments.localizer_tables.scene_frames import SceneFrames
+from twonav_cli.localizer.training import train
+from twonav_cli.localizer.training_config import TrainingConfig
+from twonav_cli.mapping.floor import Floor
+from twonav_cli.paths import runs_dir
+
+FOLDER = "reproduce-localizers"
+
+MAY_DIFFER = (
+    "device", "precision", "threads", "validations", "validation_frames", "nearest_frames", "save_every_s",
+)  # fmt: skip
+"""Settings that do not make another network; the table says on what each was trained."""
+
+
+def row_folder(scene: str, name: str, quick: bool) -> Path:
+    """Return where the network of a row lies, and what was measured with it."""
+    return runs_dir() / FOLDER / scene / (f"{name}-quick" if quick else name)
+
+
+def finished(folder: Path, config: TrainingConfig, seed: int, floor: Floor) -> Card | None:
+    """Return the card of a finished network; None where there is none.
+
+    Args:
+        folder: Where it would be.
+        config: How it must have been trained.
+        seed: The seed that it must have.
+        floor: Scene and map that it must be of.
+
+    Raises:
+        TwonavError: There is one that was trained otherwise, or it is damaged.
+    """
+    if not (folder / CARD_FILE).is_file():
+        return None
+    card = read_card(folder)
+    found, wanted = _origin(card), _expected(config, seed, floor)
+    other = [f"{name} {found.get(name)} and not {value}" for name, value in wanted.items() if found.get(name) != value]
+    if other:
+        raise TwonavError(
+            f"the network in {folder} was trained otherwise ({', '.join(other)}): ask for the same, "
+            "or delete the folder to train it anew"
+        )
+    return card
+
+
+def train_row(
+    frames: SceneFrames,
+    folder: Path,
+    config: TrainingConfig,
+    seed: int,
+    should_stop: Callable[[], bool],
+    sink: Sink,
+    command: str,
+) -> Card | None:
+    """Train a network from where a training was left, or from the start; return its card, or None when stopped.
+
+    Raises:
+        TwonavError: Too few frames, a training of other settings was left in the folder, or it diverges.
+    """
+    saved = train(
+        frames.training(), folder, config, seed, frames.trials(), frames.validation(), should_stop, sink,
+        resume=True, command=command,
+    )  # fmt: skip
+    return None if saved is None else read_card(saved)
+
+
+def _expected(config: TrainingConfig, seed: int, floor: Floor) -> dict[str, Any]:
+    """Return what decides a network, by name."""
+    settings = {name: value for name, value in asdict(config).items() if name not in MAY_DIFFER}
+    return {**settings, "seed": seed, "scene_digest": floor.scene.digest, "map_digest": floor.map.digest}
+
+
+def _origin(card: Card) -> dict[str, Any]:
+    return {**card.get("settings", {}), **{name: card.get(name) for name in ("seed", "scene_digest", "map_digest")}}
