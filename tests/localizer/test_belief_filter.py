@@ -139,7 +139,7 @@ def test_a_place_that_a_look_names_becomes_as_much_likelier_as_the_settings_say(
     particles, weights = np.concatenate([named, other]), np.full(40, 1 / 40)
     for sigma_m in (0.02, 0.05, 0.3):
         likelihood = look_likelihood(sharp(Pose(2.0, 3.0, 0.5), sigma_m, lost=0.0), particles, weights, CONFIG)
-        assert likelihood[:10] == pytest.approx(np.full(10, CONFIG.evidence))
+        assert likelihood[:10] == pytest.approx(np.full(10, CONFIG.evidence), rel=1e-3)
         assert likelihood[10:] == pytest.approx(np.full(30, 1.0), abs=0.01)
 
 
@@ -163,6 +163,23 @@ def test_of_two_places_that_a_look_names_the_likelier_one_gains_more() -> None:
     first, second, none = look_likelihood(look, particles, weights, CONFIG) - 1.0
     assert first == pytest.approx(3.0 * second, rel=0.01)
     assert second > 20 * none
+
+
+def test_nearer_to_the_named_place_a_particle_gains_more_and_at_its_edge_it_loses() -> None:
+    offsets = np.linspace(0.0, 0.3, 31)
+    particles = np.column_stack([2.0 + offsets, np.full(31, 3.0), np.full(31, 0.5)])
+    likelihood = look_likelihood(sharp(Pose(2.0, 3.0, 0.5)), particles, np.full(31, 1 / 31), CONFIG)
+    assert (np.diff(likelihood[:15]) < 0).all()
+    assert likelihood[0] > CONFIG.evidence > 1.0 > likelihood[20] > 0.0
+
+
+def test_no_particle_ever_gets_a_likelihood_of_zero_or_less() -> None:
+    rng, camera = np.random.default_rng(0), MadeUpCamera(seed=3, wrong=0.5)
+    for _ in range(50):
+        pose = random_pose(rng)
+        particles = np.array(pose) + 0.2 * rng.standard_normal((300, 3))
+        likelihood = look_likelihood(camera.look(pose)[0], particles, rng.dirichlet(np.ones(300)), CONFIG)
+        assert likelihood.min() > 0.0
 
 
 def test_particles_are_drawn_in_even_steps_through_their_weights() -> None:

@@ -46,9 +46,9 @@ class FilterConfig:
 
     particles: int = _setting(1000, "Particles after each drawing (ours).")
     seeds: int = _setting(60, "Particles that each look adds from its own belief (ours).")
-    carried_off: float = _setting(0.006, "Probability that the robot was carried off between two looks (ours).")
+    carried_off: float = _setting(0.004, "Probability that the robot was carried off between two looks (ours).")
     doubt: float = _setting(0.1, "Least probability that a look names none of the right places (ours).")
-    evidence: float = _setting(3.0, "How much likelier a look makes the place that it names (ours).")
+    evidence: float = _setting(3.5, "How much likelier a look makes the place that it names (ours).")
     widening: float = _setting(1.5, "Factor on a bell's deviation: looks near each other err alike (ours).")
     least_sigma_m: float = _setting(0.03, "Deviation of a place on top of the bell's own, metres (ours).")
     least_sigma_rad: float = _setting(0.015, "Deviation of a heading on top of the bell's own, radians (ours).")

@@ -82,18 +82,15 @@ def _checkpoints() -> dict[str, str]:
     from twonav_cli.scene.catalog import read_scene, scene_names
 
     found: dict[str, str] = {
-        f"{name}/{kind}": f"none is shipped, make it with `twonav train --stage {kind} --scene {name}`"
-        for name in scene_names()
-        for kind in ("localizer", "maze")
+        f"{name}/{kind}": "error: missing, restore it" for name in scene_names() for kind in ("localizer", "maze")
     }
-    found |= {f"{DEFAULT_SCENE}/{kind}": "error: missing, restore it" for kind in ("localizer", "maze")}
     for card in sorted(checkpoints_dir().glob(f"*/*/{CARD_FILE}")):
         folder = card.parent
         name = f"{folder.parent.name}/{folder.name}"
         if folder.name == "map":
             found[name] = _map_said(folder)
             continue
-        kind = "localizer" if folder.name == "localizer" else "agent"
+        kind = "localizer" if folder.name.startswith("localizer") else "agent"
         try:
             _, read = load_checkpoint(folder, kind, read_scene(folder.parent.name).digest)
             found[name] = f"{kind}, {read.get('date', 'undated')}"

@@ -12,31 +12,26 @@ from twonav_cli.mapping.floor import Floor
 from twonav_cli.terminal.console import out, progress
 
 ERRORS = {
-    "pos_mean_m": "position, mean, m",
-    "pos_std_m": "standard deviation",
-    "pos_median_m": "median",
-    "pos_p95_m": "95 % below",
-    "pos_p99_m": "99 % below",
-    "ang_mean_deg": "heading, mean, deg",
-    "ang_std_deg": "standard deviation",
-    "ang_median_deg": "median",
-    "ang_p95_deg": "95 % below",
-    "ang_p99_deg": "99 % below",
-    "within_5cm_5deg": "within 5 cm and 5 deg",
-    "within_25cm_2deg": "within 25 cm and 2 deg",
+    "pos_mean_m": ("mean m", 3),
+    "pos_median_m": ("median", 3),
+    "pos_p95_m": ("95 %", 3),
+    "pos_p99_m": ("99 %", 3),
+    "ang_mean_deg": ("mean deg", 2),
+    "ang_median_deg": ("median", 2),
+    "ang_p95_deg": ("95 %", 2),
 }
-"""Key of a figure to what it is called."""
+"""Key of a figure to its heading and digits; `--json` has the others."""
 
-COLUMNS = {
+ROWS = {
     "off_grid": "random poses",
-    "off_grid_nearest": "most alike frame",
+    "off_grid_nearest": "  most alike frame",
     "held_cells": "held-out cells",
-    "held_cells_nearest": "most alike frame",
+    "held_cells_nearest": "  most alike frame",
     "paper_split": "paper's split",
-    "paper_split_by_labels": "by the robot's labels",
-    "paper_split_nearest": "most alike frame",
+    "paper_split_by_labels": "  by robot's labels",
+    "paper_split_nearest": "  most alike frame",
 }
-"""Key of a set of frames to its heading."""
+"""Key of a set of frames to what it is called."""
 
 
 def figures_of(floor: Floor, folder: Path, config: ReportConfig, seed: int) -> dict[str, Any]:
@@ -55,13 +50,13 @@ def figures_of(floor: Floor, folder: Path, config: ReportConfig, seed: int) -> d
 def print_figures(report: dict[str, Any]) -> None:
     """Print what was measured: errors as a table, then beliefs, tracks and kidnaps in sentences."""
     table = Table(box=None, pad_edge=False)
-    kinds = [kind for kind in COLUMNS if kind in report]
-    table.add_column("errors")
-    for kind in kinds:
-        table.add_column(COLUMNS[kind], justify="right")
-    table.add_row("frames", *(str(report[kind]["n"]) for kind in kinds))
-    for key, name in ERRORS.items():
-        table.add_row(name, *(_number(report[kind].get(key)) for kind in kinds))
+    table.add_column("errors at")
+    for heading, _ in ERRORS.values():
+        table.add_column(heading, justify="right")
+    for name, called in ROWS.items():
+        if name in report:
+            numbers = (_number(report[name].get(key), digits) for key, (_, digits) in ERRORS.items())
+            table.add_row(called, *numbers)
     out().print(table)
     for sentence in sentences(report):
         out().print(sentence)
@@ -80,26 +75,27 @@ def sentences(report: dict[str, Any]) -> list[str]:
             f"one picture takes {report['milliseconds']:.2f} ms",
         ]
     if "tracks" in report:
-        tracks = report["tracks"]
-        found += [
-            f"along {tracks['frames']} frames of driving: each picture alone {_pair(tracks['single'])}, "
-            f"filtered {_pair(tracks['filtered'])}; lost at {tracks['lost_frames_single']} and "
-            f"{tracks['lost_frames_filtered']} frames, left a right place {tracks['false_resets_single']} and "
-            f"{tracks['false_resets_filtered']} times",
-        ]
+        alone, filtered = report["tracks"]["single"], report["tracks"]["filtered"]
+        found.append(
+            f"along {report['tracks']['frames']} frames of driving: each picture alone {_pair(alone)}; "
+            f"filtered {_pair(filtered)}"
+        )
     if "kidnaps" in report:
-        filtered = report["kidnaps"]["kidnaps_filtered"]
-        found += [
+        filtered = report["kidnaps"]["filtered"]
+        found.append(
             f"kidnapped {filtered['kidnaps']} times: {filtered['found_soon']:.1%} found again within 10 frames, "
-            f"{filtered['found']:.1%} at all, after {_number(filtered['looks_mean'])} looks on average; "
-            f"{filtered['false_finds']} times found and lost again",
-        ]
+            f"{filtered['found']:.1%} at all, after {_number(filtered['looks_mean'], 1)} looks on average; "
+            f"{filtered['false_finds']} times found and lost again"
+        )
     return found
 
 
 def _pair(errors: dict[str, float]) -> str:
-    return f"{errors['pos_mean_m']:.3f} m, {errors['ang_mean_deg']:.2f} deg (mean)"
+    return (
+        f"{errors['pos_mean_m']:.3f} m, {errors['ang_mean_deg']:.2f} deg (mean), lost at {errors['lost_frames']} "
+        f"frames, left a right place {errors['false_resets']} times"
+    )
 
 
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.3f}"
+def _number(value: float | None, digits: int = 3) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"

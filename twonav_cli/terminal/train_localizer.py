@@ -7,23 +7,30 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from twonav_cli.checkpoint import add_metrics, read_card
+from twonav_cli.checkpoint import CARD_FILE, add_metrics, read_card
 from twonav_cli.dataset.plan import GRID_SET, RANDOM_SET
 from twonav_cli.events import Clock, Event, FittingStep, FittingValidated, RunEnded, RunStarted, Sink, to_all
 from twonav_cli.experiments.localizer_report import ReportConfig
 from twonav_cli.localizer.batches import Selection
+from twonav_cli.localizer.devices import chosen_device
 from twonav_cli.localizer.networks import OURS
 from twonav_cli.localizer.training import train
 from twonav_cli.localizer.training_config import TrainingConfig, training_settings
+from twonav_cli.localizer.training_state import STATE_FILE
 from twonav_cli.mapping.floor import Floor
 from twonav_cli.terminal.console import progress
 from twonav_cli.terminal.localizer_figures import figures_of
 from twonav_cli.terminal.recordings import default_recording, recording
-from twonav_cli.terminal.train import TrainRequest
+from twonav_cli.terminal.train import ALREADY_LEARNED, TrainRequest
 from twonav_cli.terminal.train_frames import collected
 
 QUICK_IMAGES = 6_000
 QUICK_REPORT = ReportConfig(200, 100, 2)
+
+MEASURED = "settings"
+"""Among the metrics of a card: it was measured to the end."""
+
+StopAsked = Callable[[], bool]
 
 LOG_EVERY_BATCHES = 200
 """How often progress is printed where no bar can be drawn."""
@@ -60,6 +67,30 @@ def train_localizer(
     lesson = lesson_of(config.network, floor, request.seed, request.quick, should_stop)
     if lesson is None:
         return "stopped", {}
+    there = request.resume and _is_trained(folder, config, request.seed)
+    if there and MEASURED in read_card(folder)["metrics"]:
+        return ALREADY_LEARNED, dict(read_card(folder)["metrics"])
+    if not there and not _trained(request, floor, folder, config, lesson, should_stop):
+        return "stopped", {}
+    report = figures_of(floor, folder, QUICK_REPORT if request.quick else ReportConfig(), request.seed)
+    add_metrics(folder, report)
+    return ("quick" if request.quick else "learned"), dict(read_card(folder)["metrics"])
+
+
+def _is_trained(folder: Path, config: TrainingConfig, seed: int) -> bool:
+    """Return whether a training of these settings has come to its end in a folder, so that only measuring is left."""
+    if (folder / STATE_FILE).exists() or not (folder / CARD_FILE).exists():
+        return False
+    card = read_card(folder)
+    found = {**card.get("settings", {}), "seed": card.get("seed")}
+    wanted = {"network": config.network, "images": config.images, "batch": config.batch, "seed": seed}
+    return all(found.get(name) == value for name, value in wanted.items())
+
+
+def _trained(
+    request: TrainRequest, floor: Floor, folder: Path, config: TrainingConfig, lesson: Lesson, should_stop: StopAsked
+) -> bool:
+    """Fit the network, shown on a bar and recorded; return False when interrupted."""
     path = (request.record or default_recording("train", floor.scene.name, "localizer")) if request.recording else None
     settings = {"network": config.network, "frames": str(len(lesson.frames[1]))}
     begun = RunStarted(Clock(), "train", "localizer", floor.scene.name, request.seed, settings)
@@ -70,20 +101,17 @@ def train_localizer(
             request.resume, request.command(),
         )  # fmt: skip
         recorder(RunEnded(Clock(), "stopped" if saved is None else "learned"))
-    if saved is None:
-        return "stopped", {}
-    report = figures_of(floor, folder, QUICK_REPORT if request.quick else ReportConfig(), request.seed)
-    add_metrics(folder, report)
-    return ("quick" if request.quick else "learned"), dict(read_card(folder)["metrics"])
+    return saved is not None
 
 
 def localizer_settings(request: TrainRequest) -> TrainingConfig:
     """Return how the network of a request is trained.
 
     Raises:
-        TwonavError: There is no network of that name.
+        TwonavError: There is no network of that name, or no such device.
     """
     changes: dict[str, Any] = {"device": request.device or "auto"}
+    chosen_device(changes["device"])  # else it would be missed only after minutes of taking frames
     if request.quick:
         changes |= {"validations": 2, "images": QUICK_IMAGES}
     if request.images is not None:
