@@ -96,3 +96,13 @@ def test_a_grid_without_cells_is_refused(resolution_m: float, rows: int, cols: i
 def test_cells_larger_than_the_grid_are_refused() -> None:
     with pytest.raises(TwonavError, match="needs cells"):
         GridFrame(0.0, 0.0, 0.05, 4, 4).coarser(0.4)
+
+
+def test_many_points_lie_in_the_cells_that_each_lies_in_alone() -> None:
+    frame = GridFrame(-1.0, 2.0, 0.05, 30, 40)
+    x_m, y_m = np.meshgrid(np.arange(-1.2, 1.3, 0.05), np.arange(1.8, 3.8, 0.05))
+    rows, cols, inside = frame.cells_at(x_m, y_m)
+    for row, col, x, y in zip(rows.flat, cols.flat, x_m.flat, y_m.flat, strict=True):
+        assert (row, col) == frame.cell_at(x, y)
+    assert inside.any()
+    assert not inside.all()

@@ -19,8 +19,8 @@ class Belief:
     """A belief over poses, p(x, y) p(theta): round bells around places and around headings, over an even floor.
 
     Attributes:
-        places: [K, 4] weight, x_m, y_m, sigma_m (deviation along each axis), the likeliest first; weights add up to 1.
-        headings: [J, 3] weight, theta_rad, sigma_rad, the likeliest first; weights add up to 1.
+        places: [K, 4] weight, x_m, y_m, sigma_m (deviation along each axis), highest peak first; weights add up to 1.
+        headings: [J, 3] weight, theta_rad, sigma_rad, highest peak first; weights add up to 1.
         lost: Share of the belief that is spread evenly over `area_m2` and all headings, whatever the picture shows.
         area_m2: Floor on which the robot can be.
         grid: [rows, cols] float32 probability of each position bin, as the network gives it: for pictures.
@@ -36,12 +36,12 @@ class Belief:
 
     @property
     def pose(self) -> Pose:
-        """The likeliest place with the likeliest heading."""
+        """The place and the heading of the highest peaks."""
         return Pose(float(self.places[0, 1]), float(self.places[0, 2]), wrap_angle(float(self.headings[0, 1])))
 
     @property
     def confidence(self) -> float:
-        """Probability of the likeliest place, 0 to 1."""
+        """Probability of that place, 0 to 1."""
         return float((1.0 - self.lost) * self.places[0, 0])
 
     def place_density(self, points: FloatArray) -> FloatArray:

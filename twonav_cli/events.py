@@ -119,6 +119,8 @@ class Filtered:
     """[P, 3] some of its particles."""
     others: FloatArray
     """[K, 3] weight, x_m, y_m of the other places that it holds possible, the likeliest first."""
+    placed: float = 1.0
+    """Share of its belief that the particles stand for; the rest is elsewhere on the floor, nobody knows where."""
 
 
 @dataclass(frozen=True)

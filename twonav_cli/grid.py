@@ -70,6 +70,15 @@ class GridFrame:
         up = math.floor((y_m - self.y_min_m) / self.resolution_m + 1e-9)
         return Cell(min(max(self.rows - 1 - up, 0), self.rows - 1), min(max(col, 0), self.cols - 1))
 
+    def cells_at(
+        self, x_m: NDArray[np.float64], y_m: NDArray[np.float64]
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+        """Return row, column and whether it lies on the grid for many points of any shape: `cell_at` for arrays."""
+        cols = np.floor((x_m - self.x_min_m) / self.resolution_m + 1e-9).astype(np.int64)
+        rows = self.rows - 1 - np.floor((y_m - self.y_min_m) / self.resolution_m + 1e-9).astype(np.int64)
+        inside = (rows >= 0) & (rows < self.rows) & (cols >= 0) & (cols < self.cols)
+        return rows.clip(0, self.rows - 1), cols.clip(0, self.cols - 1), np.asarray(inside)
+
     def centre_of(self, cell: Cell) -> tuple[float, float]:
         """Return the centre (x_m, y_m) of a cell."""
         return (

@@ -1,11 +1,15 @@
 import json
+import os
+import signal
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from toy_frames import ToyCamera, toy_plan
 
 from twonav_cli.dataset.collect import Provenance, chunks_done, collect
+from twonav_cli.dataset.plan import FramePlan
 from twonav_cli.dataset.store import open_store
 from twonav_cli.errors import TwonavError
 
@@ -105,3 +109,45 @@ def test_a_missing_folder_another_scene_and_damage_are_each_one_line(tmp_path: P
     (tmp_path / "meta.json").write_text(json.dumps([1]))
     with pytest.raises(TwonavError, match="no frames of this version"):
         open_store(tmp_path)
+
+
+class _Broken(ToyCamera):
+    """A camera that cannot be had, or that ends its process while it works."""
+
+    def __init__(self, how: str) -> None:
+        super().__init__()
+        self.how = how
+
+    def __call__(self) -> ToyCamera:
+        if self.how == "no renderer":
+            raise TwonavError("no renderer")
+        return self
+
+    def take(self, plan: FramePlan, chunk: int) -> tuple[np.ndarray, np.ndarray | None]:
+        os.kill(os.getpid(), signal.SIGKILL)
+        raise AssertionError
+
+
+@pytest.mark.parametrize(("how", "said"), [("no renderer", "no renderer"), ("killed", "that takes frames died")])
+def test_a_camera_that_fails_in_another_process_ends_the_collection_with_one_line(
+    tmp_path: Path, how: str, said: str
+) -> None:
+    with pytest.raises(TwonavError, match=said):
+        collect(_Broken(how), toy_plan(), tmp_path, KITCHEN, processes=2)
+
+
+def test_frames_that_do_not_fit_on_the_disk_are_refused_before_any_is_taken(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("shutil.disk_usage", lambda folder: SimpleNamespace(free=100_000))
+    with pytest.raises(TwonavError, match=r"need 0\.0 GB and .* has 0\.0 GB left"):
+        collect(ToyCamera(), toy_plan(), tmp_path, KITCHEN)
+    assert not (tmp_path / "frames.npy").exists()
+
+
+def test_a_mark_of_progress_that_is_not_in_the_plan_is_ignored(tmp_path: Path) -> None:
+    collect(ToyCamera(), toy_plan(), tmp_path, KITCHEN)
+    (tmp_path / "progress.json").write_text(json.dumps({"chunks": [[0, 2], [7, 9]]}))
+    again = ToyCamera()
+    collect(again, toy_plan(), tmp_path, KITCHEN)
+    assert again.taken == [2]

@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 
 from twonav_cli.belief import Belief
+from twonav_cli.config import OdometryNoise
 from twonav_cli.events import Filtered
 from twonav_cli.experiments.belief_evidence import belief_sentence, share_near
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell, GridFrame
+from twonav_cli.localizer.belief_filter import BeliefFilter, FilterConfig
+from twonav_cli.stages.localize import STILL, FromEveryLook
 from twonav_cli.stages.stage import Observation
 
 TRUE, BELIEVED = Pose(5.0, 1.0, 0.0), Pose(1.0, 4.0, 0.0)
@@ -53,3 +56,16 @@ def test_with_a_filter_its_own_belief_is_told_and_then_that_of_the_last_picture(
         "It was 0.60 sure to be at (1.0, 4.0) m and gave the true place, (5.0, 1.0) m, 0.40; it named 1 other place, "
         "the true one among them. The last picture alone was 0.90 sure of (5.0, 1.1) m and gave the true place 0.90."
     )
+
+
+def test_on_its_first_look_a_filter_gives_the_true_place_no_more_than_it_is_sure_of() -> None:
+    said = belief((1.0, 5.0, 1.0), lost=0.6)
+    localize = FromEveryLook(
+        lambda image: said, BeliefFilter(FilterConfig(), OdometryNoise(), np.random.default_rng(0))
+    )
+    filtered = localize(np.zeros((84, 84, 3), dtype=np.uint8), STILL).filtered
+    assert filtered is not None
+    assert filtered.placed == pytest.approx(0.4)
+    assert share_near(said, filtered, TRUE) == pytest.approx(filtered.probability, abs=0.02)
+    assert "It was 0.40 sure" in belief_sentence(seen(said, filtered))
+    assert "gave the true place, (5.0, 1.0) m, 0.40;" in belief_sentence(seen(said, filtered))

@@ -259,6 +259,22 @@ def test_a_run_of_wrong_looks_that_are_sure_does_not_throw_it_off(run: int, alik
         assert found.probability > 0.8
 
 
+def test_a_long_run_of_wrong_looks_that_are_unsure_does_not_throw_it_off() -> None:
+    def unsure(pose: Pose, rng: np.random.Generator) -> Belief:
+        named = [pose, random_pose(rng), random_pose(rng)]
+        places = [(share, p.x_m, p.y_m, 0.1) for share, p in zip((0.4, 0.3, 0.3), named, strict=True)]
+        headings = [(share, p.theta_rad, 0.06) for share, p in zip((0.4, 0.3, 0.3), named, strict=True)]
+        return belief_at(places, headings, lost=0.1)
+
+    poses, other, rng = straight(24), Pose(2.0, 7.5, 0.0), np.random.default_rng(0)
+    following = tracked(poses[:12])
+    for pose in poses[12:]:
+        found = following.correct(unsure(other, rng))
+        assert distance_m(found.pose, pose) < 0.45
+        following.predict(AHEAD)
+        other = compose(other, AHEAD)
+
+
 def test_a_robot_that_was_carried_off_is_found_within_ten_looks() -> None:
     driven, camera = drive(1000, seed=5, kidnap_every=20), MadeUpCamera(seed=6)
     away_m, _ = pose_errors(follow(driven, [camera.look(p)[0] for p in driven.poses]), np.array(driven.poses))
@@ -381,3 +397,10 @@ def test_the_same_stream_gives_the_same_poses_and_another_one_does_not() -> None
     beliefs = [camera.look(pose)[0] for pose in driven.poses]
     assert (follow(driven, beliefs, 1) == follow(driven, beliefs, 1)).all()
     assert (follow(driven, beliefs, 1) != follow(driven, beliefs, 2)).any()
+
+
+def test_a_first_look_that_names_no_place_still_gives_a_pose() -> None:
+    following = BeliefFilter(FilterConfig(), OdometryNoise(), np.random.default_rng(0))
+    found = following.correct(belief_at([(1.0, 2.0, 1.0, 50.0)], [(1.0, 0.0, 0.5)], 1.0))
+    assert np.isfinite(found.pose).all()
+    assert 0.0 < found.probability <= 1.0

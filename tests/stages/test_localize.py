@@ -76,6 +76,7 @@ def test_events_get_few_particles_of_three_numbers_each() -> None:
     assert filtered.particles.shape == (PARTICLES_SHOWN, 3)
     assert np.hypot(*(filtered.particles[:, :2] - HERE[:2]).T).mean() < 0.3
     assert filtered.others.shape[1] == 3
+    assert filtered.probability <= filtered.placed < 1.0
 
 
 def test_a_particle_is_shown_as_often_as_it_weighs() -> None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from made_up_localizers import grid_store, made_up_floor, made_up_maps, made_up_report, random_store
 
-from twonav_cli.checkpoint import read_card
+from twonav_cli.checkpoint import load_checkpoint, read_card, save_checkpoint
 from twonav_cli.dataset.plan import GRID_SET
 from twonav_cli.dataset.store import FrameStore
 from twonav_cli.errors import TwonavError
@@ -39,6 +39,11 @@ def tiny_budget(network: str, scene: str, request: LocalizerRequest) -> Training
 
 def taken(floor: Any, name: str, seed: int, quick: bool, should_stop: Callable[[], bool]) -> FrameStore:
     return grid_store(floor.scene.name) if name == GRID_SET else random_store(floor.scene.name)
+
+
+def taken_store(folder: Path) -> FrameStore:
+    scene = folder.parent.name
+    return grid_store(scene) if GRID_SET in folder.name else random_store(scene)
 
 
 def nothing_is_there(*_: Any, **__: Any) -> Any:
@@ -182,6 +187,35 @@ def test_the_most_alike_frame_and_our_network_stand_at_the_end(twonav: Twonav, r
         }  # fmt: skip
 
 
+@pytest.mark.parametrize("changed", [{"seed": 1}, {"map_digest": "of another map"}, {"map_digest": None}])
+def test_our_network_is_not_measured_in_held_out_cells_that_it_may_have_seen(
+    twonav: Twonav, runs: Path, belief: Path, changed: dict[str, Any]
+) -> None:
+    arrays, card = load_checkpoint(belief, "localizer")
+    save_checkpoint(belief, arrays, {**card, **changed})
+    ended = twonav("reproduce", "table4", "--scene", "apartment", "--networks", "cnn-7")
+    report = json.loads((runs / "reproduce" / "table4.json").read_text())
+    assert set(row_of(report, "belief")["ours"]) == {"paper_split", "off_grid"}
+    for network in ("cnn-7", "nearest"):
+        assert set(row_of(report, network)["ours"]) == {"paper_split", "off_grid", "held_cells"}
+    said = "apartment, not measured: belief in held-out cells: it was trained with another seed or on another map"
+    assert said in " ".join(ended.out.split())
+
+
+def test_frames_of_another_map_are_not_used(
+    twonav: Twonav, runs: Path, belief: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def taken_before(folder: Path, scene_digest: str) -> FrameStore:
+        store = taken_store(folder)
+        return replace(store, meta={**store.meta, "map_digest": "of an older survey"})
+
+    monkeypatch.setattr(localizer_rows, "open_store", taken_before)
+    ended = twonav("reproduce", "table4", "--scene", "apartment", "--only-finished")
+    assert "were taken on another map: delete it to take them anew" in " ".join(ended.out.split())
+    report = json.loads((runs / "reproduce" / "table4.json").read_text())
+    assert {row["network"] for row in report["rows"]}.isdisjoint({"belief", "nearest"})
+
+
 def test_another_network_in_place_of_ours_is_no_row_of_ours(
     twonav: Twonav, runs: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -200,7 +234,7 @@ def test_stopping_in_a_training_says_how_to_go_on_and_goes_on(
     twonav: Twonav, runs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[int] = []
-    shown = localizer_rows._shown_on
+    shown = localizer_rows.fitting_bar
 
     def interrupted(*arguments: Any) -> Any:
         show = shown(*arguments)
@@ -213,7 +247,7 @@ def test_stopping_in_a_training_says_how_to_go_on_and_goes_on(
 
         return show_and_interrupt
 
-    monkeypatch.setattr(localizer_rows, "_shown_on", interrupted)
+    monkeypatch.setattr(localizer_rows, "fitting_bar", interrupted)
     ended = twonav(*KITCHEN_7, "--images", str(8 * 21), "--out", tmp_path / "out")
     assert ended.code == 130
     assert "nothing is written of table4; what is trained is kept" in ended.err
@@ -236,6 +270,30 @@ def test_stopping_while_measuring_keeps_the_trained_network(
     assert twonav(*KITCHEN_7).code == 130
     assert (runs / "reproduce-localizers" / "kitchen" / "cnn-7" / "card.json").is_file()
     assert list((runs / "reproduce").iterdir()) == []
+
+
+def test_stopping_among_finished_networks_says_how_to_go_on_with_those_only(
+    twonav: Twonav, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stopped(*_: Any, **__: Any) -> Any:
+        raise localizer_rows.StoppedError
+
+    monkeypatch.setattr(localizer_rows, "open_store", lambda folder, _: taken_store(folder))
+    monkeypatch.setattr(localizer_rows, "placed", stopped)
+    ended = twonav(*KITCHEN_7, "--only-finished")
+    assert ended.code == 130
+    assert ended.err.splitlines()[-1].endswith("--scene kitchen --networks cnn-7 --only-finished")
+
+
+def test_a_training_that_was_begun_with_another_budget_stops_everything_before_frames_are_taken(
+    twonav: Twonav, runs: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    config = tiny_budget("cnn-9", "kitchen", LocalizerRequest("table4", images=32))
+    frames, folder = grid_store("kitchen"), runs / "reproduce-localizers" / "kitchen" / "cnn-9"
+    assert train((frames, frames.training()), folder, config, 0, should_stop=lambda: True) is None
+    monkeypatch.setattr(localizer_rows, "collected", not_called)
+    said = twonav("reproduce", "table4", "--networks", "cnn-7,cnn-9").complaint
+    assert "was begun with 32 pictures and not 16: go on with --images 32, or delete the folder" in said
 
 
 # Fig. 7
@@ -280,6 +338,8 @@ def test_fig_7_without_any_frames_says_what_is_missing(twonav: Twonav, runs: Pat
         (["table4", "--cooling", "once"], "--cooling is for table5"),
         (["fig7", "--processes", "2"], "--processes is for table5"),
         (["table3", "--networks", "cnn-7"], "unknown network of table3 'cnn-7'"),
+        (["table4", "--networks", ""], "--networks names no network: name some, as in cnn-7,inception-9"),
+        (["table4", "--networks", " ,"], "--networks names no network"),
         (["fig7", "--scene", "kitchen"], "unknown scene of fig7 'kitchen'"),
         (["table4", "--device", "tpu"], "unknown device 'tpu'"),
     ],

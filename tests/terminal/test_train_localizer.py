@@ -24,7 +24,7 @@ def few(monkeypatch: pytest.MonkeyPatch) -> None:
     """Make a quick run a very quick one."""
     monkeypatch.setattr(train_frames, "QUICK_PLAN", PlanConfig(180, 300, 30, 0.005))
     monkeypatch.setattr(train_localizer, "QUICK_IMAGES", 512)
-    monkeypatch.setattr(train_localizer, "QUICK_REPORT", ReportConfig(20, 30, 2, 15))
+    monkeypatch.setattr(train_localizer, "QUICK_REPORT", ReportConfig(20, 30, 60, 15))
 
 
 def test_frames_are_taken_and_found_again(twonav: Twonav) -> None:
@@ -46,6 +46,7 @@ def test_our_network_is_trained_measured_and_then_left_alone(twonav: Twonav, run
     arrays = (folder / "arrays.safetensors").read_bytes()
     again = twonav(*TRAIN, "--stage", "localizer", "--resume", "--json").only_object()
     assert again["outcome"] == "learned"
+    assert again["off_grid"] == found["off_grid"]
     assert (folder / "arrays.safetensors").read_bytes() == arrays
 
 
@@ -90,8 +91,37 @@ def test_evaluating_prints_errors_beliefs_tracks_and_kidnaps(twonav: Twonav, run
     (runs / "kitchen" / "localizer-quick").rename(runs / "kitchen" / "localizer")
     ended = twonav(
         "evaluate", "--stage", "localizer", "--scene", "kitchen", "--checkpoints", runs / "kitchen",
-        "--frames", "20", "--track-frames", "20", "--kidnaps", "2",
+        "--frames", "20", "--track-frames", "20", "--kidnap-frames", "60",
     )  # fmt: skip
     assert ended.code == 0
     for said in ("random poses", "held-out cells", "paper's split", "90 % region", "ROC", "filtered", "kidnapped"):
         assert said in " ".join(ended.out.split())
+
+
+def test_an_unfinished_training_is_not_written_over(twonav: Twonav, runs: Path) -> None:
+    folder = runs / "kitchen" / "localizer-quick"
+    folder.mkdir(parents=True)
+    (folder / STATE_FILE).write_bytes(b"hours of work")
+    assert "an unfinished training is in" in twonav(*TRAIN, "--stage", "localizer").complaint
+    assert (folder / STATE_FILE).read_bytes() == b"hours of work"
+    assert "damaged" in twonav(*TRAIN, "--stage", "localizer", "--resume").complaint
+
+
+def test_going_on_with_a_network_of_other_settings_names_them(
+    twonav: Twonav, runs: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    twonav(*TRAIN, "--stage", "localizer")
+    assert "images 512 and not 700" in twonav(*TRAIN, "--stage", "localizer", "--images", "700", "--resume").complaint
+
+
+@pytest.mark.parametrize("option", ["--network", "--frames", "--track-frames", "--kidnap-frames"])
+def test_other_stages_do_not_take_the_localizers_options(twonav: Twonav, option: str) -> None:
+    value = "cnn-7" if option == "--network" else "5"
+    said = f"{option} is for --stage localizer only"
+    assert said in twonav("evaluate", "--stage", "maze", "--scene", "kitchen", option, value).complaint
+
+
+def test_the_advice_for_a_missing_network_is_a_command_that_exists(twonav: Twonav, runs: Path) -> None:
+    said = twonav("evaluate", "--stage", "localizer", "--scene", "kitchen", "--network", "cnn-9").complaint
+    assert "`twonav train --stage localizer --scene kitchen --network cnn-9`" in said
+    assert "unknown network" in twonav("evaluate", "--stage", "localizer", "--network", "bogus").complaint

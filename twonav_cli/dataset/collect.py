@@ -9,7 +9,10 @@ the poses are the labels.
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable, Generator, Iterable
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
 from dataclasses import asdict, dataclass, field
 from io import BytesIO
@@ -91,12 +94,14 @@ def collect(
         TwonavError: The folder holds another data set or cannot be written, or the camera's image has a wrong shape.
     """
     try:
-        done = _opened(plan, folder, provenance)
+        done = _opened(plan, folder, provenance) & set(range(len(plan.chunks)))
         missing = [chunk for chunk in range(len(plan.chunks)) if chunk not in done]
         sizes = np.diff(plan.chunks, axis=1)[:, 0]
         there = int(sizes[sorted(done)].sum())
+        if not missing:
+            return folder
         with closing(_taken(make_taker, plan, folder, missing, processes)) as chunks:
-            for chunk in chunks if missing else ():
+            for chunk in chunks:
                 done.add(chunk)
                 there += int(sizes[chunk])
                 _write_progress(folder, done)
@@ -141,19 +146,28 @@ def _take(chunk: int) -> int:
 def _taken(
     make_taker: Callable[[], Taker], plan: FramePlan, folder: Path, missing: list[int], processes: int
 ) -> Generator[int]:
-    """Take chunks, and yield the number of each that is on disk."""
-    if processes < 2 or len(missing) < 2:
-        with closing(make_taker()) as taker:
+    """Take chunks, and yield the number of each that is on disk.
+
+    Raises:
+        TwonavError: A process died.
+    """
+    with closing(make_taker()) as taker:  # what cannot be made is noticed here and not in every process
+        if processes < 2 or len(missing) < 2:
             for chunk in missing:
                 _store(taker, plan, folder, chunk)
                 yield chunk
-        return
-    pool = get_context("spawn").Pool(min(processes, len(missing)), _begin, (make_taker, plan, folder))
+            return
+    workers = min(processes, len(missing))
+    pool = ProcessPoolExecutor(workers, get_context("spawn"), _begin, (make_taker, plan, folder))
     try:
-        yield from pool.imap_unordered(_take, missing)
+        for job in as_completed([pool.submit(_take, chunk) for chunk in missing]):
+            yield job.result()
+    except BrokenProcessPool as error:
+        raise TwonavError(
+            "a process that takes frames died (no memory, or the disk is full): the same command goes on from there"
+        ) from error
     finally:
-        pool.terminate()
-        pool.join()
+        pool.shutdown(cancel_futures=True)
 
 
 def _store(taker: Taker, plan: FramePlan, folder: Path, chunk: int) -> None:
@@ -179,12 +193,13 @@ def _opened(plan: FramePlan, folder: Path, provenance: Provenance) -> set[int]:
     by_mapper = provenance.labels == MAPPER
     if path.exists() and (folder / FRAMES_FILE).exists():
         if _read_json(path) != json.loads(json.dumps(meta)):
-            raise TwonavError(f"{folder} holds frames of another scene, map, plan or seed: delete it, or name another")
+            raise TwonavError(f"{folder} holds frames of another scene, map, plan or seed: delete it to take them anew")
         _check_array(folder / FRAMES_FILE, shape)
         if by_mapper:
             _check_array(folder / LABELS_FILE, (len(plan.poses), 3))
         return chunks_done(folder)
     folder.mkdir(parents=True, exist_ok=True)
+    _check_room(folder, int(np.prod(shape)))
     _write_progress(folder, set())
     for name, array in ((POSES_FILE, plan.poses), (KINDS_FILE, plan.kinds), (SPLITS_FILE, plan.splits)):
         content = BytesIO()
@@ -198,6 +213,20 @@ def _opened(plan: FramePlan, folder: Path, provenance: Provenance) -> set[int]:
         labels[:] = np.nan
     write_whole(path, json.dumps(meta, indent=2) + "\n")
     return set()
+
+
+def _check_room(folder: Path, wanted_bytes: int) -> None:
+    """Make sure that the frames fit on the disk: a memory-mapped file that does not ends the program without a word.
+
+    Raises:
+        TwonavError: They do not.
+    """
+    free_bytes = shutil.disk_usage(folder).free
+    if free_bytes < wanted_bytes:
+        raise TwonavError(
+            f"the frames need {wanted_bytes / 1e9:.1f} GB and {folder} has {free_bytes / 1e9:.1f} GB left: "
+            "make room, or set TWONAV_RUNS to another folder"
+        )
 
 
 def _check_array(path: Path, shape: tuple[int, ...]) -> None:

@@ -27,7 +27,7 @@ SETS = (GRID_SET, RANDOM_SET)
 """The two data sets of a scene."""
 
 CHUNK = 500
-"""Random frames between two marks of progress: a fraction of a second is lost by a kill."""
+"""Random frames between two marks of progress: a second or two is lost by a kill."""
 
 VALIDATION_SHARE = 0.01
 """Share of the random frames that are for choosing and calibrating, not for learning (ours)."""

@@ -159,8 +159,6 @@ def _all_of_one_sign(sides: FloatArray) -> BoolGrid:
 
 
 def _looked_up(grid: BoolGrid, frame: GridFrame, x_m: FloatArray, y_m: FloatArray) -> BoolGrid:
-    """Return the grid's value at many points of any shape; False outside. `GridFrame.cell_at` for arrays."""
-    cols = np.floor((x_m - frame.x_min_m) / frame.resolution_m + 1e-9).astype(np.int64)
-    rows = frame.rows - 1 - np.floor((y_m - frame.y_min_m) / frame.resolution_m + 1e-9).astype(np.int64)
-    inside = (rows >= 0) & (rows < frame.rows) & (cols >= 0) & (cols < frame.cols)
-    return np.asarray(inside & grid[rows.clip(0, frame.rows - 1), cols.clip(0, frame.cols - 1)])
+    """Return the grid's value at many points of any shape; False outside."""
+    rows, cols, inside = frame.cells_at(x_m, y_m)
+    return np.asarray(inside & grid[rows, cols])

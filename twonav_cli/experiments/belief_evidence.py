@@ -45,7 +45,8 @@ def share_near(belief: Belief | None, filtered: Filtered | None, pose: Pose) -> 
     """Return the share of what is believed that lies within NEAR_M of a position: the filter's, else the picture's."""
     if filtered is not None:
         x_m, y_m = filtered.particles[:, 0], filtered.particles[:, 1]
-        return float(np.mean(np.hypot(x_m - pose.x_m, y_m - pose.y_m) <= NEAR_M)) if len(x_m) else 0.0
+        near = np.hypot(x_m - pose.x_m, y_m - pose.y_m) <= NEAR_M
+        return filtered.placed * float(near.mean()) if len(near) else 0.0
     if belief is None:
         return 0.0
     weight, x_m, y_m, _ = belief.places.T

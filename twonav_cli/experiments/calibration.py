@@ -68,9 +68,15 @@ def area_under_roc(scores: FloatArray, positive: NDArray[np.bool_]) -> float | N
 def _ranks(belief: Belief, pose: FloatArray, rng: np.random.Generator) -> tuple[float, float]:
     """Return how much of a belief lies where it is denser than at the true pose [3]: of places and of headings.
 
-    What is spread evenly lies nowhere higher than the truth, so it is never among it.
+    What is spread evenly lies nowhere higher than the truth; where the truth lies on the bare floor, a random share of
+    it counts as higher, else every truth would lie in the region of a belief that says nothing.
     """
     drawn = belief.sample(SAMPLES, rng)
     place = belief.place_density(drawn[:, :2]) > belief.place_density(pose[None, :2])
     heading = belief.heading_density(drawn[:, 2]) > belief.heading_density(pose[2:])
-    return (1.0 - belief.lost) * float(place.mean()), (1.0 - belief.lost) * float(heading.mean())
+    found, of_floor = 1.0 - belief.lost, belief.lost * rng.random(2)
+    place_rank, heading_rank = (
+        found * float(higher.mean()) + (share if higher.all() else 0.0)
+        for higher, share in zip((place, heading), of_floor.tolist(), strict=True)
+    )
+    return place_rank, heading_rank

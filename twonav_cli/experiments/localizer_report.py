@@ -5,7 +5,6 @@ All frames are taken now; none was trained on.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass, field
@@ -20,14 +19,15 @@ from twonav_cli.checkpoint import read_card
 from twonav_cli.dataset.collect import Labels
 from twonav_cli.dataset.photographer import Photographer
 from twonav_cli.dataset.plan import CHUNK, GRID_SET, HELD_CELL, HELD_OUT, RANDOM_SET, FramePlan, PlanConfig, plan_frames
-from twonav_cli.dataset.poses import TEST, reachable_floor
+from twonav_cli.dataset.poses import TEST
 from twonav_cli.errors import TwonavError
 from twonav_cli.experiments.calibration import calibration_report
+from twonav_cli.experiments.predecessors import free_floor
 from twonav_cli.experiments.tracking_report import filtered_poses, single_poses, tracking_report
 from twonav_cli.experiments.tracks import drive_tracks
-from twonav_cli.localizer.belief_filter import FreeFloor
 from twonav_cli.localizer.errors_report import error_metrics
 from twonav_cli.localizer.estimator import Estimator
+from twonav_cli.localizer.timing import milliseconds_of
 from twonav_cli.mapping.floor import Floor, geometry_map
 from twonav_cli.mapping.occupancy import OccupancyMap
 from twonav_cli.rng import stream
@@ -36,8 +36,6 @@ Images = NDArray[np.uint8]
 Progress = Callable[[str, int, int], None]
 """Told (what is measured, frames done, frames wanted)."""
 
-TIMED_PICTURES = 200
-
 
 @dataclass(frozen=True)
 class ReportConfig:
@@ -45,8 +43,8 @@ class ReportConfig:
 
     frames: int = field(default=4000, metadata={"help": "Held-out random poses, and frames of the paper's split."})
     track_frames: int = field(default=5000, metadata={"help": "Frames along undisturbed tracks (ours)."})
-    kidnaps: int = field(default=400, metadata={"help": "Times that the robot is carried off (ours)."})
-    frames_between_kidnaps: int = field(default=25, metadata={"help": "Frames from one kidnap to the next (ours)."})
+    kidnap_frames: int = field(default=10_000, metadata={"help": "Frames along tracks with kidnaps (ours)."})
+    kidnap_every: int = field(default=25, metadata={"help": "Frames from one kidnap to the next (ours)."})
 
 
 def localizer_report(floor: Floor, folder: Path, config: ReportConfig, seed: int, progress: Progress) -> dict[str, Any]:
@@ -94,23 +92,11 @@ def localizer_report(floor: Floor, folder: Path, config: ReportConfig, seed: int
     }
 
 
-def milliseconds_of(estimator: Estimator, images: Images) -> float:
-    """Return the median time of one picture, network and decoding, in milliseconds."""
-    taken_s = []
-    for image in images[:TIMED_PICTURES]:
-        begun_s = time.perf_counter()
-        estimator.estimate(image)
-        taken_s.append(time.perf_counter() - begun_s)
-    return 1e3 * float(np.median(taken_s))
-
-
 def _driven(floor: Floor, estimator: Estimator, config: ReportConfig, seed: int, progress: Progress) -> dict[str, Any]:
     """Return the figures of tracks with and without the filter, and of kidnaps."""
-    occupied, frame = ~floor.map.free, floor.map.frame
-    free = FreeFloor(reachable_floor(occupied, frame, list(floor.scene.starts.values())), frame)
-    kidnapped = config.kidnaps * config.frames_between_kidnaps
+    free = free_floor(floor)
     found: dict[str, Any] = {}
-    drives = (("tracks", config.track_frames, 0), ("kidnaps", kidnapped, config.frames_between_kidnaps))
+    drives = (("tracks", config.track_frames, 0), ("kidnaps", config.kidnap_frames, config.kidnap_every))
     for name, frames, every in drives:
         if frames:
             tracks = drive_tracks(floor, seed, frames, every, progress=partial(progress, name))

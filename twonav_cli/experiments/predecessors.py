@@ -18,7 +18,7 @@ from twonav_cli.rng import stream
 if TYPE_CHECKING:
     from twonav_cli.belief import Belief
     from twonav_cli.learner.agent import Agent
-    from twonav_cli.localizer.belief_filter import BeliefFilter
+    from twonav_cli.localizer.belief_filter import BeliefFilter, FreeFloor
     from twonav_cli.mapping.floor import Floor
     from twonav_cli.stages.localize import Image, Localize
     from twonav_cli.stages.maze_stage import MazeStage
@@ -61,7 +61,8 @@ def checkpoint_folder(
         # Of several that fit equally well `max` returns the first.
         return max(found, key=lambda folder: _fit_of(folder, scene_digest, map_digest))
     where = f"in {chosen}" if chosen is not None else f"for scene {scene!r}"
-    command = f"twonav train --stage {name} --scene {scene}"
+    stage, _, network = name.partition("-")
+    command = f"twonav train --stage {stage} --scene {scene}" + (f" --network {network}" if network else "")
     command += " --map-from geometry" if map_source == "geometry" else ""
     raise TwonavError(f"there is no {name} checkpoint {where}: make it with `{command}`")
 
@@ -161,12 +162,18 @@ def load_localize(
 def _filter_for(floor: Floor, seed: int) -> BeliefFilter:
     """Return a filter that knows the odometry's noise and the floor on which the robot can be."""
     from twonav_cli.config import OdometryNoise
-    from twonav_cli.dataset.poses import reachable_floor
-    from twonav_cli.localizer.belief_filter import BeliefFilter, FilterConfig, FreeFloor
+    from twonav_cli.localizer.belief_filter import BeliefFilter, FilterConfig
 
-    occupied, frame = floor.map.occupied, floor.map.frame
-    free = FreeFloor(reachable_floor(occupied, frame, list(floor.scene.starts.values())), frame)
-    return BeliefFilter(FilterConfig(), OdometryNoise(), stream(seed, "belief"), free)
+    return BeliefFilter(FilterConfig(), OdometryNoise(), stream(seed, "belief"), free_floor(floor))
+
+
+def free_floor(floor: Floor) -> FreeFloor:
+    """Return where a filter may believe the robot to be: known floor on which it fits and which it can reach."""
+    from twonav_cli.dataset.poses import reachable_floor
+    from twonav_cli.localizer.belief_filter import FreeFloor
+
+    frame = floor.map.frame
+    return FreeFloor(reachable_floor(~floor.map.free, frame, list(floor.scene.starts.values())), frame)
 
 
 def make_stage(

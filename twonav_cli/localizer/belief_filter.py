@@ -48,7 +48,7 @@ class FilterConfig:
     seeds: int = _setting(60, "Particles that each look adds from its own belief (ours).")
     carried_off: float = _setting(0.004, "Probability that the robot was carried off between two looks (ours).")
     doubt: float = _setting(0.1, "Least probability that a look names none of the right places (ours).")
-    evidence: float = _setting(3.5, "How much likelier a look makes the place that it names (ours).")
+    evidence: float = _setting(3.5, "How much likelier a look makes a place that it is sure of (ours).")
     widening: float = _setting(1.5, "Factor on a bell's deviation: looks near each other err alike (ours).")
     least_sigma_m: float = _setting(0.03, "Deviation of a place on top of the bell's own, metres (ours).")
     least_sigma_rad: float = _setting(0.015, "Deviation of a heading on top of the bell's own, radians (ours).")
@@ -61,7 +61,7 @@ class FilterConfig:
     jitter_m: float = _setting(0.004, "Deviation between particles drawn from the same one, metres (ours).")
     jitter_rad: float = _setting(0.003, "Deviation between particles drawn from the same one, radians (ours).")
     resample_share: float = _setting(0.5, "Effective share of particles below which they are drawn again (ours).")
-    off_floor: float = _setting(0.2, "Factor on the weight of a particle where the robot cannot be (ours).")
+    off_floor: float = _setting(0.2, "Factor, above 0, on the weight of a particle where the robot cannot be (ours).")
 
 
 @dataclass(frozen=True)
@@ -73,11 +73,8 @@ class FreeFloor:
 
     def holds(self, poses: FloatArray) -> NDArray[np.bool_]:
         """Return which poses [P, 3] stand on free floor; outside of the grid there is none."""
-        frame = self.frame
-        cols = np.floor((poses[:, 0] - frame.x_min_m) / frame.resolution_m).astype(np.int64)
-        rows = frame.rows - 1 - np.floor((poses[:, 1] - frame.y_min_m) / frame.resolution_m).astype(np.int64)
-        inside = (rows >= 0) & (rows < frame.rows) & (cols >= 0) & (cols < frame.cols)
-        return np.asarray(inside & self.free[rows.clip(0, frame.rows - 1), cols.clip(0, frame.cols - 1)])
+        rows, cols, inside = self.frame.cells_at(poses[:, 0], poses[:, 1])
+        return np.asarray(inside & self.free[rows, cols])
 
 
 @dataclass(frozen=True)
@@ -151,10 +148,10 @@ def correct(weights: FloatArray, likelihood: FloatArray) -> FloatArray:
 def look_likelihood(belief: Belief, particles: FloatArray, weights: FloatArray, config: FilterConfig) -> FloatArray:
     """Return how much likelier a look makes each particle [P, 3] than one that is far from what it names.
 
-    The particles around the likeliest place become `evidence` times likelier, on their weighted mean, those around
-    another one less, in proportion to its weight. Which of them more and which less, the shape of the belief's bells
-    says, widened. Their height says nothing: a wrong look is often followed by more of the same, so looks in a row must
-    not multiply as if each were a witness of its own.
+    The particles around a place that the look is sure of become `evidence` times likelier, on their weighted mean;
+    around one of several, less, in proportion to its probability. Which particles there more and which less, the shape
+    of the belief's bells says, widened. Their height says nothing: a wrong look is often followed by more of the same,
+    so looks in a row must not multiply as if each were a witness of its own.
     """
     squared = (particles[:, :1] - belief.places[:, 1]) ** 2 + (particles[:, 1:2] - belief.places[:, 2]) ** 2
     away_rad = wrap_angles(particles[:, 2:] - belief.headings[:, 1])
@@ -170,21 +167,25 @@ def _around(squared: FloatArray, bells: FloatArray, least: float, near: float, c
     """Return how particles lie to bells [K, 3 or 4] (weight first, deviation last) at squared distances [P, K].
 
     Returns:
-        [3, P]: height of the widened bells, each 1 in its middle; the same with each as high as its weight, beside that
-        of the likeliest; and whether that one or another is near, by weight as well, 0 to 1.
+        [3, P]: height of the widened bells, each 1 in its middle; the same with each as high as its weight; and how
+        near one is, 0 to 1, where one that is not the likeliest counts less.
     """
     share = bells[:, 0] / bells[:, 0].max()
     broad = np.hypot(config.widening * bells[:, -1], least)
     scaled = squared / (-2.0 * broad**2)
     heights = (1.0 - config.tail_share) * np.exp(scaled) + config.tail_share * np.exp(scaled / config.tail_width**2)
     closeness = np.exp(squared / (-2.0 * (broad**2 + near**2))) @ share
-    return np.stack([heights.sum(axis=1), heights @ share, np.minimum(closeness, 1.0)])
+    return np.stack([heights.sum(axis=1), heights @ bells[:, 0], np.minimum(closeness, 1.0)])
 
 
 def draw_again(weights: FloatArray, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
     """Return which particles [count] go on: one draw, then even steps through the weights [P] (systematic)."""
     marks = (np.arange(count) + rng.random()) / count
     return np.minimum(np.searchsorted(np.cumsum(weights) / weights.sum(), marks), len(weights) - 1)
+
+
+MOST_DOUBT = 0.99
+"""A look that names no place at all still begins a belief: some pose must be told (ours)."""
 
 
 class BeliefFilter:
@@ -229,7 +230,9 @@ class BeliefFilter:
         config = self.config
         exponent = min(1.0, max(config.stale, self._news))
         self._news = 0.0
-        self._elsewhere += config.carried_off * exponent * (1.0 - self._elsewhere)
+        carried = config.carried_off * exponent
+        self._elsewhere += carried * (1.0 - self._elsewhere)
+        self._weights *= 1.0 - carried
         likelihood = look_likelihood(belief, self._particles, self._weights, config) ** exponent
         likelihood *= self._on_floor(self._particles)
         seeds, seed_weights = self._seeds(belief)
@@ -253,7 +256,7 @@ class BeliefFilter:
         count = max(config.seeds, round(self._elsewhere * config.particles))
         poses = belief.sample(count, self._rng)
         shares = self._on_floor(poses)
-        placed = self._elsewhere * (1.0 - max(belief.lost, config.doubt))
+        placed = self._elsewhere * (1.0 - min(max(belief.lost, config.doubt), MOST_DOUBT))
         return poses, placed * shares / shares.sum()
 
     def _draw_again_if_few(self) -> None:

@@ -36,7 +36,7 @@ PLACES, HEADINGS = 5, 3
 """Places and headings that are told apart in one belief."""
 
 LEAST_WEIGHT = 0.01
-"""A place or heading that is less likely is left out, unless it is the likeliest."""
+"""A place or heading that is less likely is left out, unless it is the first: places go to the floor."""
 
 
 class Outputs(NamedTuple):
@@ -50,22 +50,30 @@ class Outputs(NamedTuple):
 class BeliefHead:
     """The bins of a scene, with the weight of the decoded pose's error in the loss."""
 
-    def __init__(self, code: PoseCode, huber_weight: float = 0.0, calibration: Calibration | None = None) -> None:
+    def __init__(
+        self,
+        code: PoseCode,
+        huber_weight: float = 0.0,
+        calibration: Calibration | None = None,
+        area_m2: float | None = None,
+    ) -> None:
         self.code = code
         self.huber_weight = huber_weight
         self.calibration = calibration or Calibration()
+        self.area_m2 = area_m2 or len(code.bins) * code.frame.resolution_m**2
         self.outputs = len(code.bins) + HEADING_BINS + PRECISIONS
 
     @classmethod
     def fitted(cls, labels: NDArray[np.float32], settings: TrainingConfig) -> BeliefHead:
         """Return the head whose bins hold the labels [N, 3] of the training frames."""
-        return cls(PoseCode.covering(labels, settings.position_bin_m), settings.huber_weight)
+        code = PoseCode.covering(labels, settings.position_bin_m)
+        return cls(code, settings.huber_weight, area_m2=code.area_m2(labels))
 
     @classmethod
     def restored(cls, arrays: Arrays, settings: dict[str, Any]) -> BeliefHead:
         """Return the head of a checkpoint."""
         code = PoseCode(GridFrame(**settings["bins"]), arrays["bins"].astype(np.int64))
-        return cls(code, calibration=Calibration(**settings["calibration"]))
+        return cls(code, calibration=Calibration(**settings["calibration"]), area_m2=settings["area_m2"])
 
     def arrays(self) -> Arrays:
         """Return what a checkpoint must hold."""
@@ -73,11 +81,12 @@ class BeliefHead:
 
     def settings(self) -> dict[str, Any]:
         """Return what a checkpoint's card must hold."""
-        return {"bins": asdict(self.code.frame), "calibration": asdict(self.calibration)}
+        bins, calibration = asdict(self.code.frame), asdict(self.calibration)
+        return {"bins": bins, "calibration": calibration, "area_m2": self.area_m2}
 
     def to(self, device: torch.device) -> BeliefHead:
         """Return the head with its tensors on a device."""
-        return BeliefHead(self.code.to(device), self.huber_weight, self.calibration)
+        return BeliefHead(self.code.to(device), self.huber_weight, self.calibration, self.area_m2)
 
     def loss(self, outputs: Tensor, poses: Tensor) -> Tensor:
         """Return what training makes small."""
@@ -100,14 +109,14 @@ class BeliefHead:
         positions = found.position.float().softmax(dim=1)
         places = self.code.place_modes(positions, PLACES)
         headings = heading_modes(found.heading.float().softmax(dim=1), HEADINGS)
-        area_m2 = len(self.code.bins) * self.code.frame.resolution_m**2
         arrays = [value.double().cpu().numpy() for value in (*places, *headings, sigmas(found.log_sigma))]
         grids = positions.cpu().numpy()
         beliefs = []
         for number, (weight, place, share, angle, sigma) in enumerate(zip(*arrays, strict=True)):
+            left_open = max(0.0, 1.0 - float(weight[_kept(weight)].sum()))
             belief = Belief(
                 _likely(weight, place, sigma[0]), _likely(share, angle[:, None], sigma[1]),
-                0.0, area_m2, self.code.belief(grids[number]), self.code.frame,
+                left_open, self.area_m2, self.code.belief(grids[number]), self.code.frame,
             )  # fmt: skip
             beliefs.append(self.calibration.applied(belief))
         return beliefs
@@ -125,8 +134,13 @@ def sigmas(log_sigma: Tensor) -> Tensor:
     return usual * log_sigma.float().clamp(-LOG_SIGMA_AT_MOST, LOG_SIGMA_AT_MOST).exp()
 
 
+def _kept(weights: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return which of some places or headings are likely enough to be named; the first one is in any case."""
+    return np.asarray((weights >= LEAST_WEIGHT) | (np.arange(len(weights)) == 0))
+
+
 def _likely(weights: NDArray[np.float64], values: NDArray[np.float64], sigma: float) -> NDArray[np.float64]:
     """Return rows of weight, values and deviation for what is likely enough; the weights add up to 1."""
-    kept = (weights >= LEAST_WEIGHT) | (np.arange(len(weights)) == 0)
+    kept = _kept(weights)
     shares = weights[kept] / weights[kept].sum()
     return np.column_stack([shares, values[kept], np.full(len(shares), sigma)])

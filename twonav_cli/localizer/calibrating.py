@@ -30,9 +30,9 @@ AS_IT_IS = Calibration(0.0, 1.0, 1.0, 1.0)
 
 
 def calibration_frames(validation: Selection) -> Selection:
-    """Return the frames to calibrate by: evenly taken from those for validation."""
+    """Return the labelled frames to calibrate by: evenly taken from those for validation."""
     store, frames = validation
-    return store, thinned(frames, FRAMES)
+    return store, thinned(frames[np.isfinite(store.labels[frames]).all(axis=1)], FRAMES)
 
 
 def calibration_of(
@@ -47,7 +47,7 @@ def calibration_of(
         frames: Which it has not learned from.
         pool: Shares the work.
     """
-    plain = BeliefHead(head.code, calibration=AS_IT_IS)
+    plain = BeliefHead(head.code, calibration=AS_IT_IS, area_m2=head.area_m2)
     store, chosen = frames
     device = next(network.parameters()).device
     ordered = np.sort(chosen)

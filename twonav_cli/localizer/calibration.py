@@ -14,7 +14,7 @@ class Calibration:
     """What makes a belief as sure as it is right.
 
     Attributes:
-        lost: Share of the belief that is spread evenly over the floor.
+        lost: Share of every belief that is spread evenly over the floor, beside what the network leaves open itself.
         scale_m: Factor on every deviation of a place.
         scale_rad: Factor on every deviation of a heading.
         exponent: Of the weights of places and headings, before they are made to add up to 1: 1 / temperature.
@@ -35,4 +35,4 @@ class Calibration:
             modes[:, 0] /= modes[:, 0].sum()
             modes[:, -1] *= scale
         places[:, 3] = np.hypot(places[:, 3], self.map_m)
-        return replace(belief, places=places, headings=headings, lost=float(np.clip(self.lost, 0.0, 1.0)))
+        return replace(belief, places=places, headings=headings, lost=1.0 - (1.0 - self.lost) * (1.0 - belief.lost))

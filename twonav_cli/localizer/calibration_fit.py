@@ -19,8 +19,12 @@ from twonav_cli.localizer.errors_report import Poses
 START_LOST = 0.05
 """Floor from which the search starts (ours)."""
 
-LEAST_LOST = 1e-3
-"""Least floor, however few frames are far off: no finite number of frames shows that none ever is (ours)."""
+LOST = (1e-3, 0.9)
+"""Bounds of the floor: no finite number of frames shows that none is ever far off, and beliefs that say nothing must
+not make the bells vanish (ours)."""
+
+SCALE = (0.25, 4.0)
+"""Bounds of the scales: for beliefs that say nothing the best bell would be infinitely wide (ours)."""
 
 
 def fit_calibration(beliefs: Sequence[Belief], poses: Poses, exponent: float = 1.0) -> Calibration:
@@ -37,12 +41,13 @@ def fit_calibration(beliefs: Sequence[Belief], poses: Poses, exponent: float = 1
     from scipy.optimize import minimize
 
     check_pairs(beliefs, poses)
-    start = Calibration(START_LOST, 1.0, 1.0, exponent)
+    start = Calibration(0.0, 1.0, 1.0, exponent)
     columns = _columns([start.applied(belief) for belief in beliefs], poses)
 
     def read(numbers: FloatArray) -> Calibration:
-        lost = 1.0 / (1.0 + np.exp(-numbers[0]))
-        return Calibration(max(float(lost), LEAST_LOST), float(np.exp(numbers[1])), float(np.exp(numbers[2])), exponent)
+        lost = float(np.clip(1.0 / (1.0 + np.exp(-numbers[0])), *LOST))
+        scale_m, scale_rad = (float(np.clip(np.exp(number), *SCALE)) for number in numbers[1:])
+        return Calibration(lost, scale_m, scale_rad, exponent)
 
     def cost(numbers: FloatArray) -> float:
         return float(_misfits(columns, read(numbers)).mean())
@@ -63,7 +68,9 @@ def mean_misfit(beliefs: Sequence[Belief], poses: Poses) -> float:
 
 
 def check_pairs(beliefs: Sequence[Belief], poses: Poses) -> None:
-    """Raise a TwonavError unless there is a frame, and one true pose for each belief."""
+    """Raise a TwonavError unless there is a frame, and one true pose, of numbers, for each belief."""
+    if not np.isfinite(poses).all():
+        raise TwonavError("some true poses are not numbers: leave frames without a label out")
     if not beliefs or len(beliefs) != len(poses):
         raise TwonavError(f"{len(beliefs)} beliefs and {len(poses)} true poses: give one of each for every frame")
 
@@ -76,11 +83,13 @@ class _Columns:
         places: [N, K, 3] weight, squared distance to the truth, deviation.
         headings: [N, J, 3] weight, squared angle to the truth, deviation.
         area_m2: [N].
+        lost: [N] floor of the beliefs as they are.
     """
 
     places: FloatArray
     headings: FloatArray
     area_m2: FloatArray
+    lost: FloatArray
 
 
 def _columns(beliefs: Sequence[Belief], poses: Poses) -> _Columns:
@@ -92,7 +101,8 @@ def _columns(beliefs: Sequence[Belief], poses: Poses) -> _Columns:
         places[index, : len(squared)] = np.column_stack([belief.places[:, 0], squared, belief.places[:, 3]])
         away_rad = wrap_angles(belief.headings[:, 1] - pose[2])
         headings[index, : len(away_rad)] = np.column_stack([belief.headings[:, 0], away_rad**2, belief.headings[:, 2]])
-    return _Columns(places, headings, np.array([belief.area_m2 for belief in beliefs]))
+    area_m2, lost = (np.array([getattr(belief, name) for belief in beliefs]) for name in ("area_m2", "lost"))
+    return _Columns(places, headings, area_m2, lost)
 
 
 def _misfits(columns: _Columns, calibration: Calibration) -> FloatArray:
@@ -103,6 +113,7 @@ def _misfits(columns: _Columns, calibration: Calibration) -> FloatArray:
     weight, squared, sigma = np.moveaxis(columns.headings, 2, 0)
     sigma = sigma * calibration.scale_rad
     heading = (weight / (np.sqrt(2 * np.pi) * sigma) * np.exp(-0.5 * squared / sigma**2)).sum(axis=1)
-    found, lost = 1.0 - calibration.lost, calibration.lost
+    found = (1.0 - calibration.lost) * (1.0 - columns.lost)
+    lost = 1.0 - found
     likelihood = (found * place + lost / columns.area_m2) * (found * heading + lost / (2 * np.pi))
     return np.asarray(-np.log(likelihood))

@@ -31,7 +31,7 @@ _PORTION = 64
 
 
 class Estimator:
-    """A localizer's network with the meaning of its output, ready for use on one core."""
+    """A localizer's network with the meaning of its output, ready for use."""
 
     def __init__(self, spec: NetworkSpec, network: nn.Module, head: Head, card: Card) -> None:
         network.eval()
@@ -112,7 +112,8 @@ class Estimator:
 
     def _outputs(self, images: NDArray[Any]) -> Tensor:
         """Return the network's numbers [B, outputs]."""
-        if not isinstance(images, np.ndarray) or images.shape[1:] != _SHAPE or images.dtype != np.uint8:
+        images = np.asarray(images)
+        if images.shape[1:] != _SHAPE or images.dtype != np.uint8:
             raise TwonavError(
                 f"the localizer needs uint8 RGB pictures of {IMAGE_PX} x {IMAGE_PX} x 3, "
                 f"not {images.dtype} {'x'.join(map(str, images.shape[1:]))}: use the camera of the scene"

@@ -17,7 +17,6 @@ from torch import nn
 from twonav_cli.dataset.collect import SIMULATOR
 from twonav_cli.dataset.store import FrameStore
 from twonav_cli.localizer.batches import Selection
-from twonav_cli.localizer.devices import arithmetic
 from twonav_cli.localizer.errors_report import error_metrics
 from twonav_cli.localizer.heads import Head
 from twonav_cli.localizer.nearest import nearest_poses
@@ -26,16 +25,12 @@ from twonav_cli.localizer.pictures import network_input
 PORTION = 64
 
 
-def poses_at(
-    network: nn.Module, head: Head, pictures: str, images: NDArray[np.uint8], precision: str = "float32"
-) -> NDArray[np.float32]:
+def poses_at(network: nn.Module, head: Head, pictures: str, images: NDArray[np.uint8]) -> NDArray[np.float32]:
     """Return the poses [B, 3] that a network gives to images uint8 [B, 84, 84, 3]; it must be in evaluation mode."""
     device = next(network.parameters()).device
     with torch.inference_mode():
         x = network_input(torch.from_numpy(np.ascontiguousarray(images)).to(device), pictures)
-        with arithmetic(device, precision):
-            outputs = network(x)
-        return np.asarray(head.poses(outputs.float()).cpu().numpy())
+        return np.asarray(head.poses(network(x).float()).cpu().numpy())
 
 
 def measured(

@@ -57,11 +57,11 @@ def clusters_of(particles: FloatArray, weights: FloatArray) -> list[Cluster]:
 
 
 def _bins_of(particles: FloatArray) -> NDArray[np.int64]:
-    """Return the number [P] of the bin that holds each particle."""
+    """Return the number [P] of the bin that holds each particle; only bins that hold one are counted."""
     col, row = np.floor((particles[:, :2] - particles[:, :2].min(axis=0)) / BIN_M).astype(np.int64).T
     turn = np.floor((particles[:, 2] + np.pi) / BIN_RAD).astype(np.int64)
     turns = round(2 * np.pi / BIN_RAD) + 1
-    return np.asarray((row * (col.max() + 1) + col) * turns + turn)
+    return np.unique((row * (col.max() + 1) + col) * turns + turn, return_inverse=True)[1]
 
 
 def _gathered(

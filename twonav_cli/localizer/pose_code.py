@@ -84,6 +84,13 @@ class PoseCode:
         moved._windows, moved._centres = self._windows.to(device), self._centres.to(device)
         return moved
 
+    def area_m2(self, poses: NDArray[np.float32]) -> float:
+        """Return the area of the bins that hold any of some poses [N, 3]: about the floor where the robot can be."""
+        frame = self.frame
+        col = ((poses[:, 0] - frame.x_min_m) / frame.resolution_m).astype(np.int64)
+        row = ((poses[:, 1] - frame.y_min_m) / frame.resolution_m).astype(np.int64)
+        return len(np.unique(row * frame.cols + col)) * frame.resolution_m**2
+
     def position_targets(self, poses: Tensor) -> tuple[Tensor, Tensor]:
         """Return the window of bins [B, W] around each pose [B, 3] and the Gaussian weight [B, W] of each bin in it."""
         nearest = torch.cdist(poses[:, :2], self._centres).argmin(dim=1)
@@ -112,7 +119,7 @@ class PoseCode:
         return Decoded(torch.cat([places[:, 0], headings], dim=1), weights[:, 0], positions)
 
     def place_modes(self, positions: Tensor, count: int) -> tuple[Tensor, Tensor]:
-        """Return the likeliest places of beliefs [B, P]: their probabilities [B, count], and where they are.
+        """Return the places of beliefs [B, P], the highest peak first: their probabilities, and where they are.
 
         Args:
             positions: [B, P] probability of each position bin.
@@ -142,7 +149,7 @@ class PoseCode:
 
 
 def heading_modes(headings: Tensor, count: int) -> tuple[Tensor, Tensor]:
-    """Return the likeliest headings of beliefs [B, H]: probabilities, and angles in [-pi, pi), both [B, count]."""
+    """Return the headings of beliefs [B, H], the highest peak first: probabilities and angles, both [B, count]."""
     offsets = torch.arange(-_REACH, _REACH + 1, device=headings.device)
     left = headings
     weights, angles = [], []

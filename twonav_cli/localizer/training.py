@@ -228,7 +228,7 @@ class _Training:
         return Clock(trial=step * self.config.batch // len(self.frames), step=step)
 
     def _facts(self) -> Facts:
-        """Return what a training that goes on must share with its beginning; it may end sooner or later."""
+        """Return what a training that goes on must share with its beginning; how it is computed may differ."""
         config = {name: value for name, value in asdict(self.config).items() if name not in MAY_CHANGE}
         shown = digest_of([self.frames.tobytes()])
         resolved = {"precision": self.precision, "device": self.device.type}

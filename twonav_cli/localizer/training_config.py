@@ -14,8 +14,8 @@ def _setting(default: Any, sentence: str) -> Any:
     return field(default=default, metadata={"help": sentence})
 
 
-MAY_CHANGE = ("images", "threads", "validations", "validation_frames", "nearest_frames", "save_every_s")
-"""Settings that a training may change when it goes on: the first moves the end and with it the rate's fall."""
+MAY_CHANGE = ("threads", "validations", "validation_frames", "nearest_frames", "save_every_s")
+"""Settings that a training may change when it goes on."""
 
 
 @dataclass(frozen=True)
@@ -59,12 +59,16 @@ class TrainingConfig:
 
 
 def training_settings(network: str, **changes: Any) -> TrainingConfig:
-    """Return the settings that suit a network, with `changes` over them.
+    """Return the settings that suit a network, with `changes` over them; with fewer pictures it is pretrained less.
 
     Raises:
         TwonavError: There is no network of that name.
     """
-    return TrainingConfig(network=network, **{**network_spec(network).training, **changes})
+    usual = dict(network_spec(network).training)
+    if "images" in changes and "pretraining_images" not in changes:
+        before = usual.get("pretraining_images", 0)
+        usual["pretraining_images"] = round(before * changes["images"] / usual.get("images", TrainingConfig.images))
+    return TrainingConfig(network=network, **{**usual, **changes})
 
 
 def learning_rate(step: int, steps: int, peak: float, warm_up: float) -> float:

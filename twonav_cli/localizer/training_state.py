@@ -50,10 +50,19 @@ class FoundState:
         self._arrays = arrays
 
     def restore_weights(self, network: nn.Module) -> None:
-        """Put the weights into a network."""
+        """Put the weights into a network.
+
+        Raises:
+            TwonavError: They are those of another one.
+        """
         prefix = "network."
         own = {name.removeprefix(prefix): x for name, x in self._arrays.items() if name.startswith(prefix)}
-        network.load_state_dict(own)
+        try:
+            network.load_state_dict(own)
+        except RuntimeError as error:
+            raise TwonavError(
+                f"the {STATE_FILE} is of another network or version of twonav: delete it and train from the start"
+            ) from error
 
     def restore_moments(self, network: nn.Module, optimizer: torch.optim.AdamW, updates: int) -> None:
         """Put the moments into an optimizer that has made some updates."""

@@ -87,7 +87,8 @@ class FromEveryLook:
 def _shown(found: FilteredPose) -> Filtered:
     """Return what an event tells of the filter's answer."""
     particles = thinned(found.particles, found.weights, PARTICLES_SHOWN)
-    return Filtered(found.probability, found.spread_m, found.spread_rad, particles, found.others[:, :3])
+    placed = float(found.weights.sum())
+    return Filtered(found.probability, found.spread_m, found.spread_rad, particles, found.others[:, :3], placed)
 
 
 def thinned(particles: FloatArray, weights: FloatArray, count: int) -> NDArray[np.float32]:

@@ -189,13 +189,23 @@ def evaluate(
     seed: SeedOption = 0,
     record: RecordOption = None,
     base: BaseOption = "omni",
-    frames: Annotated[int, typer.Option("--frames", min=1, help="Held-out random poses (localizer only).")] = 4000,
+    frames: Annotated[
+        int | None,
+        typer.Option("--frames", min=1, help="Held-out random poses (localizer only).", show_default="4000"),
+    ] = None,
     track_frames: Annotated[
-        int, typer.Option("--track-frames", min=0, help="Frames along driven tracks (localizer only).")
-    ] = 5000,
-    kidnaps: Annotated[
-        int, typer.Option("--kidnaps", min=0, help="Times the robot is carried off (localizer only).")
-    ] = 400,
+        int | None,
+        typer.Option("--track-frames", min=0, help="Frames along driven tracks (localizer only).", show_default="5000"),
+    ] = None,
+    kidnap_frames: Annotated[
+        int | None,
+        typer.Option(
+            "--kidnap-frames",
+            min=0,
+            help="Frames of tracks with a kidnap every 25 (localizer only).",
+            show_default="10000",
+        ),
+    ] = None,
     network: NetworkOption = None,
     checkpoints: CheckpointsOption = None,
     map_from: MapFromOption = None,
@@ -206,8 +216,8 @@ def evaluate(
 
     request = EvaluateRequest(
         stage=stage, localizer=localizer, scene=scene, seed=seed, record=record, base=base, frames=frames,
-        track_frames=track_frames, kidnaps=kidnaps, network=network, checkpoints=checkpoints, map_from=map_from,
-        as_json=json_,
+        track_frames=track_frames, kidnap_frames=kidnap_frames, network=network, checkpoints=checkpoints,
+        map_from=map_from, as_json=json_,
     )  # fmt: skip
     raise typer.Exit(run_evaluate(request))
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.table import Table
 
+from twonav_cli.errors import TwonavError
 from twonav_cli.events import Clock, RunEnded, RunStarted
 from twonav_cli.mapping.floor import Floor, read_floor
 from twonav_cli.terminal.choices import check_choices
@@ -35,34 +36,66 @@ class EvaluateRequest:
     seed: int = 0
     record: Path | None = None
     base: str = "omni"
-    frames: int = 4000
-    track_frames: int = 5000
-    kidnaps: int = 400
+    frames: int | None = None
+    track_frames: int | None = None
+    kidnap_frames: int | None = None
     network: str | None = None
     checkpoints: Path | None = None
     map_from: str | None = None
     as_json: bool = False
 
 
+OF_LOCALIZER = ("network", "frames", "track_frames", "kidnap_frames")
+"""Options that only the localizer's stage looks at."""
+
+
 def run_evaluate(request: EvaluateRequest) -> int:
-    """Measure and print; returns 0, or 130 when interrupted (what was measured is printed)."""
+    """Measure and print; returns 0, or 130 when interrupted (the pairs that were driven are printed)."""
     check_choices("evaluate", request.stage, STAGES, request.localizer, request.base)
+    _check_options(request)
     floor = read_floor(request.scene, request.map_from, chosen=request.checkpoints)
     if request.stage == "localizer":
-        report = _localizer_report(request, floor)
-        if request.as_json:
-            print(json.dumps(report))
-        else:
-            from twonav_cli.terminal.localizer_figures import print_figures
-
-            print_figures(report)
-        tell_source(floor, request.scene, request.map_from)
-        return 0
+        return _measure_localizer(request, floor)
     with StopOnInterrupt("stopping after this pair") as stop:
         report = _pairs(request, floor, stop)
         print(json.dumps(report)) if request.as_json else _print_pairs(report)
         tell_source(floor, request.scene, request.map_from)
         return 130 if stop() else 0
+
+
+def _measure_localizer(request: EvaluateRequest, floor: Floor) -> int:
+    """Measure a localizer and print its figures; returns 0, or 130 when interrupted."""
+    from twonav_cli.experiments.repeats import StoppedError
+    from twonav_cli.terminal.localizer_figures import print_figures
+
+    with StopOnInterrupt("stopping: nothing is kept") as stop:
+        try:
+            report = _localizer_report(request, floor, stop)
+        except StoppedError:
+            return 130
+    print(json.dumps(report)) if request.as_json else print_figures(report)
+    tell_source(floor, request.scene, request.map_from)
+    return 0
+
+
+def _check_options(request: EvaluateRequest) -> None:
+    """Refuse what the stage would not look at.
+
+    Raises:
+        TwonavError: Says what to leave out, or that there is no network of that name.
+    """
+    if request.stage == "localizer":
+        if request.record is not None:
+            raise TwonavError("--record is not for --stage localizer: leave it out")
+        if request.network is not None:
+            from twonav_cli.localizer.networks import network_spec
+
+            network_spec(request.network)
+        return
+    for name in OF_LOCALIZER:
+        if getattr(request, name) is not None:
+            option = "--" + name.replace("_", "-")
+            raise TwonavError(f"{option} is for --stage localizer only: leave it out, or evaluate the localizer")
 
 
 def _pairs(request: EvaluateRequest, floor: Floor, should_stop: Callable[[], bool]) -> dict[str, Any]:
@@ -107,7 +140,7 @@ def _options(request: EvaluateRequest) -> Any:
     return Sim3dOptions(base=request.base, trace=request.record is not None)
 
 
-def _localizer_report(request: EvaluateRequest, floor: Floor) -> dict[str, Any]:
+def _localizer_report(request: EvaluateRequest, floor: Floor, should_stop: Callable[[], bool]) -> dict[str, Any]:
     """Return the figures of a localizer, beside the rows of the most alike training frame."""
     from twonav_cli.experiments.localizer_report import ReportConfig
     from twonav_cli.experiments.predecessors import checkpoint_folder, localizer_name
@@ -116,8 +149,9 @@ def _localizer_report(request: EvaluateRequest, floor: Floor) -> dict[str, Any]:
     scene, digest = floor.scene, floor.map.digest
     name = localizer_name(request.network)
     folder = checkpoint_folder(scene.name, name, request.checkpoints, False, scene.digest, digest, floor.map_source)
-    config = ReportConfig(request.frames, request.track_frames, request.kidnaps)
-    return figures_of(floor, folder, config, request.seed)
+    asked = {name: value for name in OF_LOCALIZER[1:] if (value := getattr(request, name)) is not None}
+    config = ReportConfig(**asked)
+    return figures_of(floor, folder, config, request.seed, should_stop)
 
 
 def _print_pairs(report: dict[str, Any]) -> None:

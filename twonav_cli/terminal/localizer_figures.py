@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from rich.table import Table
 
 from twonav_cli.experiments.localizer_report import ReportConfig, localizer_report
+from twonav_cli.experiments.repeats import StoppedError
 from twonav_cli.mapping.floor import Floor
 from twonav_cli.terminal.console import out, progress
 
@@ -34,12 +36,20 @@ ROWS = {
 """Key of a set of frames to what it is called."""
 
 
-def figures_of(floor: Floor, folder: Path, config: ReportConfig, seed: int) -> dict[str, Any]:
-    """Return the figures of a localizer (`localizer_report`), with a progress bar while they are measured."""
+def figures_of(
+    floor: Floor, folder: Path, config: ReportConfig, seed: int, should_stop: Callable[[], bool]
+) -> dict[str, Any]:
+    """Return the figures of a localizer (`localizer_report`), with a progress bar while they are measured.
+
+    Raises:
+        StoppedError: `should_stop`, asked every few frames, said so.
+    """
     with progress() as bar:
         tasks: dict[str, Any] = {}
 
         def show(name: str, done: int, total: int) -> None:
+            if should_stop():
+                raise StoppedError
             if name not in tasks:
                 tasks[name] = bar.add_task(name, total=total, result="")
             bar.update(tasks[name], completed=done)
@@ -80,7 +90,7 @@ def sentences(report: dict[str, Any]) -> list[str]:
             f"along {report['tracks']['frames']} frames of driving: each picture alone {_pair(alone)}; "
             f"filtered {_pair(filtered)}"
         )
-    if "kidnaps" in report:
+    if "kidnaps" in report and report["kidnaps"]["filtered"]["kidnaps"]:
         filtered = report["kidnaps"]["filtered"]
         found.append(
             f"kidnapped {filtered['kidnaps']} times: {filtered['found_soon']:.1%} found again within 10 frames, "

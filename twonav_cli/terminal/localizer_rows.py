@@ -8,9 +8,8 @@ from typing import Any
 
 from twonav_cli.checkpoint import Card, read_card
 from twonav_cli.dataset.plan import GRID_SET, RANDOM_SET
-from twonav_cli.dataset.store import open_store
+from twonav_cli.dataset.store import FrameStore, open_store
 from twonav_cli.errors import TwonavError
-from twonav_cli.events import Event, FittingStep, Sink
 from twonav_cli.experiments.localizer_tables.budget import budget
 from twonav_cli.experiments.localizer_tables.error_map import ErrorMap, error_map
 from twonav_cli.experiments.localizer_tables.placing import (
@@ -24,8 +23,10 @@ from twonav_cli.experiments.localizer_tables.placing import (
 )
 from twonav_cli.experiments.localizer_tables.report import (
     BELIEF,
+    HELD_CELLS,
     NEAREST,
     PAPER_SPLIT,
+    TRIALS,
     LocalizerRow,
     belief_row,
     nearest_row,
@@ -34,7 +35,7 @@ from twonav_cli.experiments.localizer_tables.report import (
 )
 from twonav_cli.experiments.localizer_tables.request import LocalizerRequest
 from twonav_cli.experiments.localizer_tables.scene_frames import SceneFrames
-from twonav_cli.experiments.localizer_tables.trained import finished, row_folder, train_row
+from twonav_cli.experiments.localizer_tables.trained import check_begun, finished, row_folder, train_row
 from twonav_cli.experiments.predecessors import checkpoint_folder
 from twonav_cli.experiments.repeats import StoppedError
 from twonav_cli.localizer.batches import Selection
@@ -43,10 +44,8 @@ from twonav_cli.localizer.measuring import thinned
 from twonav_cli.localizer.training_config import TrainingConfig
 from twonav_cli.mapping.floor import Floor
 from twonav_cli.terminal.console import progress
+from twonav_cli.terminal.fitting_bar import fitting_bar
 from twonav_cli.terminal.train_frames import collected, frames_folder
-
-LOG_EVERY_BATCHES = 200
-"""How often progress is printed where no bar can be drawn."""
 
 
 class SceneRows:
@@ -96,6 +95,15 @@ class SceneRows:
 
     # Frames and trainings
 
+    def check_begun(self) -> None:
+        """Make sure that the trainings that were broken off can go on.
+
+        Raises:
+            TwonavError: One was begun with another number of pictures.
+        """
+        for name in self.missing:
+            check_begun(self.folder(name), self.configs[name])
+
     def take_frames(self) -> None:
         """Take the frames that are missing.
 
@@ -116,9 +124,15 @@ class SceneRows:
         request = self.request
         folders = [frames_folder(self.floor, name, request.seed, request.quick) for name in (GRID_SET, RANDOM_SET)]
         try:
-            self.frames = SceneFrames(*(open_store(folder, self.floor.scene.digest) for folder in folders))
+            self.frames = SceneFrames(*(self._found(folder) for folder in folders))
         except TwonavError as error:
             self.notes.append(f"{BELIEF} and {NEAREST}: {error}")
+
+    def _found(self, folder: Path) -> FrameStore:
+        store = open_store(folder, self.floor.scene.digest)
+        if store.meta.get("map_digest") != self.floor.map.digest:
+            raise TwonavError(f"the frames in {folder} were taken on another map: delete it to take them anew")
+        return store
 
     def train_missing(self) -> None:
         """Train the networks that are not trained, one after the other.
@@ -138,8 +152,7 @@ class SceneRows:
         command = request.only(self.scene, name).command()
         with progress() as bar:
             title = f"{self.scene} {name}"
-            task = bar.add_task(f"{title} ({which})", total=config.steps * config.batch, result="")
-            show = _shown_on(bar, task, title, config)
+            show = fitting_bar(bar, f"{title} ({which})", config)
             card = train_row(self.frames, self.folder(name), config, request.seed, self.should_stop, show, command)
             if card is None:
                 raise StoppedError
@@ -164,9 +177,20 @@ class SceneRows:
         ours = self._belief()
         if ours is not None:
             folder, card, locator = ours
-            found.append(belief_row(self.scene, self._errors(BELIEF, locator), card, folder))
+            found.append(belief_row(self.scene, self._errors(BELIEF, locator, self._fair_trials(card)), card, folder))
         nearest = nearest_locator(self.frames.training())
-        return [*found, nearest_row(self.scene, self._errors(NEAREST, nearest))]
+        return [*found, nearest_row(self.scene, self._errors(NEAREST, nearest, TRIALS))]
+
+    def _fair_trials(self, card: Card) -> Sequence[str]:
+        """Return the trials of which our network has seen nothing; where one is left out, a note says so."""
+        assert self.frames is not None
+        if not self.frames.seen_cells(card):
+            return TRIALS
+        self.notes.append(
+            f"{BELIEF} in held-out cells: it was trained with another seed or on another map, where other cells are "
+            "held out"
+        )
+        return [trial for trial in TRIALS if trial != HELD_CELLS]
 
     def maps(self) -> list[ErrorMap]:
         """Return the error map of every network that is trained, of ours and of the most alike frame.
@@ -193,11 +217,10 @@ class SceneRows:
         errors_m, _ = pose_errors(self._placed(name, locator, PAPER_SPLIT, selection), store.poses[frames])
         return error_map(self.scene, name, errors_m, store.poses[frames], training)
 
-    def _errors(self, name: str, locator: Locator) -> dict[str, Any]:
-        """Return the errors of a locator at every trial that has frames."""
-        assert self.frames is not None
+    def _errors(self, name: str, locator: Locator, trials: Sequence[str]) -> dict[str, Any]:
+        """Return the errors of a locator at every one of some trials that has frames."""
         found = {}
-        for trial in self.frames.trials():
+        for trial in trials:
             selection = self._trial(name, trial)
             if len(selection[1]):
                 found[trial] = errors_at(self._placed(name, locator, trial, selection), selection)
@@ -231,22 +254,3 @@ class SceneRows:
         except TwonavError as error:
             self.notes.append(f"{BELIEF}: {error}")
             return None
-
-
-def _shown_on(bar: Any, task: Any, title: str, config: TrainingConfig) -> Sink:
-    """Return a sink that shows a training's progress on a bar in pictures, or in lines where none can be drawn."""
-
-    def show(event: Event) -> None:
-        if not isinstance(event, FittingStep):
-            return
-        shown, total = event.clock.step * config.batch, config.steps * config.batch
-        speed = f"{event.images_per_s:.0f} pictures/s"
-        over = event.clock.step == config.steps
-        bar.update(task, completed=shown, result="measuring" if over else f"{speed}, loss {event.loss:.3f}")
-        if not bar.console.is_terminal and (over or event.clock.step % LOG_EVERY_BATCHES == 0):
-            left_min = (total - shown) / max(event.images_per_s, 1e-9) / 60.0
-            bar.console.print(
-                f"{title}: {shown:,} of {total:,} pictures, {speed}, {left_min:.0f} min left", markup=False
-            )
-
-    return show

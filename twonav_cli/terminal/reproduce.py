@@ -76,12 +76,19 @@ class ReproduceRequest:
         return TableRequest(table, repeats, self.seed, self.discount, mazes, scene, cooling, self.map_from)
 
     def localizer_request(self) -> LocalizerRequest:
-        """Return what is asked of a table about localizers."""
+        """Return what is asked of a table about localizers.
+
+        Raises:
+            TwonavError: Networks are asked for and none is named.
+        """
         networks = tuple(name.strip() for name in (self.networks or "").split(",") if name.strip())
+        if self.networks is not None and not networks:
+            raise TwonavError("--networks names no network: name some, as in cnn-7,inception-9, or leave it out")
         device = self.device or "auto"
         return LocalizerRequest(
-            self.table, self.seed, self.quick, self.images, device, self.scene, networks, self.map_from
-        )
+            self.table, self.seed, self.quick, self.images, device, self.scene, networks, self.map_from,
+            self.only_finished,
+        )  # fmt: skip
 
     def check(self) -> None:
         """Refuse what cannot be, and what the table would not look at, before anything is made.
@@ -130,7 +137,7 @@ def run_reproduce(request: ReproduceRequest) -> int:
     if request.of_localizers:
         from twonav_cli.terminal.reproduce_localizers import run_localizers
 
-        return run_localizers(request.localizer_request(), folder, request.only_finished, request.as_json)
+        return run_localizers(request.localizer_request(), folder, request.as_json)
     return _run_tables(request, folder)
 
 

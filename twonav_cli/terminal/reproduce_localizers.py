@@ -23,13 +23,12 @@ from twonav_cli.terminal.map_source import tell_source
 FIGURE = "fig7"
 
 
-def run_localizers(request: LocalizerRequest, folder: Path, only_finished: bool, as_json: bool) -> int:
+def run_localizers(request: LocalizerRequest, folder: Path, as_json: bool) -> int:
     """Make, print and write a table or figure about localizers.
 
     Args:
         request: What was asked, checked.
         folder: Where the results go.
-        only_finished: Train nothing and take no frames.
         as_json: Print one JSON object instead.
 
     Returns:
@@ -40,7 +39,7 @@ def run_localizers(request: LocalizerRequest, folder: Path, only_finished: bool,
     """
     with StopOnInterrupt("stopping: saving first") as stop:
         try:
-            scenes = scene_rows(request, only_finished, stop)
+            scenes = scene_rows(request, stop)
             report = _report_of(request, scenes)
         except StoppedError:
             again = " ".join([request.command(), *_where(folder)])
@@ -59,7 +58,7 @@ def run_localizers(request: LocalizerRequest, folder: Path, only_finished: bool,
     return 0
 
 
-def scene_rows(request: LocalizerRequest, only_finished: bool, should_stop: Callable[[], bool]) -> list[SceneRows]:
+def scene_rows(request: LocalizerRequest, should_stop: Callable[[], bool]) -> list[SceneRows]:
     """Return every scene of a table with its networks: all trained unless only finished ones are wanted.
 
     Raises:
@@ -71,12 +70,15 @@ def scene_rows(request: LocalizerRequest, only_finished: bool, should_stop: Call
         SceneRows(request, read_floor(scene, request.map_from, own_first=True), networks, should_stop)
         for scene, networks in request.rows().items()
     ]
-    for rows in found:
-        if only_finished:
+    if request.only_finished:
+        for rows in found:
             rows.find_frames()
-        else:
-            rows.take_frames()
-            rows.train_missing()
+        return found
+    for rows in found:
+        rows.check_begun()
+    for rows in found:
+        rows.take_frames()
+        rows.train_missing()
     return found
 
 

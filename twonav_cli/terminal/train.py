@@ -107,6 +107,13 @@ class TrainRequest:
             raise TwonavError(
                 "--watch needs a terminal that can move its cursor: leave it out to train without watching"
             )
+        if self.network is not None:
+            from twonav_cli.localizer.networks import network_spec
+
+            network_spec(self.network)
+        if self.stage == "frames" and (self.out is not None or self.record is not None):
+            option = "--out" if self.out is not None else "--record"
+            raise TwonavError(f"{option} is not for --stage frames: leave it out, frames go to the runs folder")
         self.choices.check()
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from twonav_cli.dataset.plan import GRID_SET, SETS, PlanConfig
+from twonav_cli.experiments.repeats import processors
 from twonav_cli.mapping.floor import Floor
 from twonav_cli.mapping.known_maps import SURVEY
 from twonav_cli.paths import runs_dir
@@ -26,9 +26,7 @@ def frames_folder(floor: Floor, name: str, seed: int, quick: bool = False) -> Pa
     return runs_dir() / floor.scene.name / f"frames-{name}-{kind}seed{seed}"
 
 
-def collected(
-    floor: Floor, name: str, seed: int, quick: bool, should_stop: Callable[[], bool], processes: int | None = None
-) -> FrameStore | None:
+def collected(floor: Floor, name: str, seed: int, quick: bool, should_stop: Callable[[], bool]) -> FrameStore | None:
     """Return one of a scene's data sets, taking and labelling the missing frames; None when interrupted.
 
     On a map that the robot made, the robot says where each frame was taken; else the simulator does.
@@ -39,7 +37,6 @@ def collected(
         seed: Seed of the poses.
         quick: Whether the small set is meant; it lies beside the full one.
         should_stop: Asked after every few hundred frames.
-        processes: How many take frames at a time; None for one for each processor.
 
     Raises:
         TwonavError: No renderer, or a folder that holds other frames.
@@ -53,12 +50,11 @@ def collected(
     config = QUICK_PLAN if quick else PlanConfig()
     starts = list(floor.scene.starts.values())
     plan = plan_frames(name, ~floor.map.free, floor.map.frame, starts, config, seed)
-    workers = processes or len(os.sched_getaffinity(0))
     with progress() as bar:
         task = bar.add_task(f"frames, {name}", total=len(plan.poses), result="")
         collect(
             MakePhotographer(floor, seed), plan, folder, provenance_of(floor, seed),
-            lambda done, _: bar.update(task, completed=done), should_stop, 1 if quick else workers,
+            lambda done, _: bar.update(task, completed=done), should_stop, 1 if quick else processors(),
         )  # fmt: skip
     return None if should_stop() else open_store(folder, floor.scene.digest)
 

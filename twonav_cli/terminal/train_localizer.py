@@ -7,10 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from twonav_cli.checkpoint import CARD_FILE, add_metrics, read_card
+from twonav_cli.checkpoint import Card, add_metrics, read_card
 from twonav_cli.dataset.plan import GRID_SET, RANDOM_SET
-from twonav_cli.events import Clock, Event, FittingStep, FittingValidated, RunEnded, RunStarted, Sink, to_all
+from twonav_cli.errors import TwonavError
+from twonav_cli.events import Clock, RunEnded, RunStarted, to_all
 from twonav_cli.experiments.localizer_report import ReportConfig
+from twonav_cli.experiments.localizer_tables.budget import QUICK_IMAGES
+from twonav_cli.experiments.localizer_tables.trained import finished
+from twonav_cli.experiments.repeats import StoppedError
 from twonav_cli.localizer.batches import Selection
 from twonav_cli.localizer.devices import chosen_device
 from twonav_cli.localizer.networks import OURS
@@ -19,21 +23,18 @@ from twonav_cli.localizer.training_config import TrainingConfig, training_settin
 from twonav_cli.localizer.training_state import STATE_FILE
 from twonav_cli.mapping.floor import Floor
 from twonav_cli.terminal.console import progress
+from twonav_cli.terminal.fitting_bar import fitting_bar
 from twonav_cli.terminal.localizer_figures import figures_of
 from twonav_cli.terminal.recordings import default_recording, recording
 from twonav_cli.terminal.train import ALREADY_LEARNED, TrainRequest
 from twonav_cli.terminal.train_frames import collected
 
-QUICK_IMAGES = 6_000
-QUICK_REPORT = ReportConfig(200, 100, 2)
+QUICK_REPORT = ReportConfig(200, 100, 100)
 
 MEASURED = "settings"
 """Among the metrics of a card: it was measured to the end."""
 
 StopAsked = Callable[[], bool]
-
-LOG_EVERY_BATCHES = 200
-"""How often progress is printed where no bar can be drawn."""
 
 
 @dataclass(frozen=True)
@@ -64,27 +65,43 @@ def train_localizer(
             fit.
     """
     config = localizer_settings(request)
+    card = _found(request, floor, folder, config)
+    if card is not None and MEASURED in card["metrics"]:
+        return ALREADY_LEARNED, dict(card["metrics"])
     lesson = lesson_of(config.network, floor, request.seed, request.quick, should_stop)
     if lesson is None:
         return "stopped", {}
-    there = request.resume and _is_trained(folder, config, request.seed)
-    if there and MEASURED in read_card(folder)["metrics"]:
-        return ALREADY_LEARNED, dict(read_card(folder)["metrics"])
-    if not there and not _trained(request, floor, folder, config, lesson, should_stop):
+    if card is None and not _trained(request, floor, folder, config, lesson, should_stop):
         return "stopped", {}
-    report = figures_of(floor, folder, QUICK_REPORT if request.quick else ReportConfig(), request.seed)
+    size = QUICK_REPORT if request.quick else ReportConfig()
+    try:
+        report = figures_of(floor, folder, size, request.seed, should_stop)
+    except StoppedError:
+        return "stopped", {}
     add_metrics(folder, report)
     return ("quick" if request.quick else "learned"), dict(read_card(folder)["metrics"])
 
 
-def _is_trained(folder: Path, config: TrainingConfig, seed: int) -> bool:
-    """Return whether a training of these settings has come to its end in a folder, so that only measuring is left."""
-    if (folder / STATE_FILE).exists() or not (folder / CARD_FILE).exists():
-        return False
-    card = read_card(folder)
-    found = {**card.get("settings", {}), "seed": card.get("seed")}
-    wanted = {"network": config.network, "images": config.images, "batch": config.batch, "seed": seed}
-    return all(found.get(name) == value for name, value in wanted.items())
+def _found(request: TrainRequest, floor: Floor, folder: Path, config: TrainingConfig) -> Card | None:
+    """Return the card of a network that was trained to its end, perhaps not measured; None where one is to be trained.
+
+    Raises:
+        TwonavError: The folder holds an unfinished training that nobody asked to go on with, or, where somebody did, a
+            network of other settings; or the recording cannot be written.
+    """
+    if request.recording and request.record is not None:
+        from twonav_cli.recording.rrd_file import checked_path
+
+        checked_path(request.record)
+    unfinished = (folder / STATE_FILE).exists()
+    if request.resume:
+        return None if unfinished else finished(folder, config, request.seed, floor)
+    if unfinished:
+        raise TwonavError(
+            f"an unfinished training is in {folder}: go on with it (--resume), name another folder with --out, "
+            f"or delete {folder / STATE_FILE}"
+        )
+    return None
 
 
 def _trained(
@@ -95,7 +112,7 @@ def _trained(
     settings = {"network": config.network, "frames": str(len(lesson.frames[1]))}
     begun = RunStarted(Clock(), "train", "localizer", floor.scene.name, request.seed, settings)
     with progress() as bar, recording(path, "localizer", begun) as recorder:
-        sink = to_all(recorder, _shown_on(bar, config))
+        sink = to_all(recorder, fitting_bar(bar, config.network, config))
         saved = train(
             lesson.frames, folder, config, request.seed, lesson.trials, lesson.validation, should_stop, sink,
             request.resume, request.command(),
@@ -139,24 +156,3 @@ def lesson_of(network: str, floor: Floor, seed: int, quick: bool, should_stop: C
         return None
     trials |= {"paper_split": (grid, grid.paper_test())}
     return Lesson((grid, grid.training()), (grid, grid.validation()), trials)
-
-
-def _shown_on(bar: Any, config: TrainingConfig) -> Sink:
-    """Return a sink that shows a training's progress on a bar, or in lines where none can be drawn."""
-    task = bar.add_task(config.network, total=config.steps, result="")
-
-    def show(event: Event) -> None:
-        if isinstance(event, FittingStep):
-            numbers = f"loss {event.loss:.3f}, {event.images_per_s:.0f} pictures/s"
-            bar.update(task, completed=event.clock.step, result=numbers)
-            if not bar.console.is_terminal and event.clock.step % LOG_EVERY_BATCHES == 0:
-                bar.console.print(f"batch {event.clock.step} of {config.steps}: {numbers}")
-        elif isinstance(event, FittingValidated):
-            found = event.metrics
-            bar.console.print(
-                f"batch {event.clock.step}: validation frames, median {found['pos_median_m']:.3f} m "
-                f"{found['ang_median_deg']:.2f} deg, mean {found['pos_mean_m']:.3f} m "
-                f"{found['ang_mean_deg']:.2f} deg"
-            )
-
-    return show

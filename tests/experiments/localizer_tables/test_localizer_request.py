@@ -64,10 +64,10 @@ def test_what_no_row_has_is_one_line(wrong: dict[str, object], complaint: str) -
 
 def test_the_command_says_everything_that_was_asked() -> None:
     assert TABLE_3.command() == "twonav reproduce table3 --seed 0"
-    asked = LocalizerRequest("table4", 3, True, 500, "cpu", "kitchen", ("cnn-7", "cnn-9"), "geometry")
+    asked = LocalizerRequest("table4", 3, True, 500, "cpu", "kitchen", ("cnn-7", "cnn-9"), "geometry", True)
     assert asked.command() == (
         "twonav reproduce table4 --seed 3 --quick --images 500 --scene kitchen --networks cnn-7,cnn-9 "
-        "--map-from geometry --device cpu"
+        "--map-from geometry --device cpu --only-finished"
     )
     assert TABLE_4.only("apartment", "cnn-7").command() == (
         "twonav reproduce table4 --seed 0 --scene apartment --networks cnn-7"

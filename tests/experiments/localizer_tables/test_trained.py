@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -9,12 +10,13 @@ from typing import Any
 
 import pytest
 from made_up_localizers import grid_store, made_up_floor, random_store
+from safetensors.numpy import save
 
 from twonav_cli.checkpoint import load_checkpoint
 from twonav_cli.errors import TwonavError
 from twonav_cli.events import to_nobody
 from twonav_cli.experiments.localizer_tables.scene_frames import SceneFrames
-from twonav_cli.experiments.localizer_tables.trained import finished, row_folder, train_row
+from twonav_cli.experiments.localizer_tables.trained import check_begun, finished, row_folder, train_row
 from twonav_cli.localizer.training_config import TrainingConfig, training_settings
 from twonav_cli.localizer.training_state import STATE_FILE
 
@@ -63,6 +65,31 @@ def test_a_training_that_was_stopped_goes_on_to_the_same_network(
     trained(tmp_path)
     weights, unbroken = (load_checkpoint(folder, "localizer")[0] for folder in (tmp_path, finished_row[0]))
     assert all((weights[name] == unbroken[name]).all() for name in unbroken)
+
+
+def test_a_training_goes_on_with_the_budget_that_it_was_begun_with_only(tmp_path: Path) -> None:
+    trained(tmp_path, stop_after=2)
+    said = f"begun with {CONFIG.images} pictures and not 960: go on with --images {CONFIG.images}, or delete the folder"
+    with pytest.raises(TwonavError, match=said):
+        trained(tmp_path, replace(CONFIG, images=960))
+    check_begun(tmp_path, CONFIG)
+
+
+@pytest.mark.parametrize("facts", [{"images": 960}, {"config": {"images": 960}}])
+def test_a_training_of_another_budget_is_refused_wherever_its_state_says_so(tmp_path: Path, facts: Any) -> None:
+    (tmp_path / STATE_FILE).write_bytes(save({}, metadata={"facts": json.dumps(facts)}))
+    with pytest.raises(TwonavError, match="go on with --images 960"):
+        check_begun(tmp_path, CONFIG)
+
+
+@pytest.mark.parametrize("facts", [{}, {"config": {}}, {"config": 3}, 3, {"images": CONFIG.images}])
+def test_a_training_that_does_not_say_its_budget_otherwise_is_left_to_what_goes_on_with_it(
+    tmp_path: Path, facts: Any
+) -> None:
+    (tmp_path / STATE_FILE).write_bytes(save({}, metadata={"facts": json.dumps(facts)}))
+    check_begun(tmp_path, CONFIG)
+    (tmp_path / STATE_FILE).write_bytes(b"damaged")
+    check_begun(tmp_path, CONFIG)
 
 
 def test_a_finished_network_is_found_again_on_another_device(finished_row: tuple[Path, Any]) -> None:

@@ -38,6 +38,7 @@ class LocalizerRequest:
         scene: Only its rows; None for all.
         networks: Only their rows; empty for all.
         map_from: "survey" or "geometry": on which map the frames are taken; None as `read_floor` chooses.
+        only_finished: Train nothing and take no frames.
     """
 
     table: str
@@ -48,6 +49,7 @@ class LocalizerRequest:
     scene: str | None = None
     networks: tuple[str, ...] = ()
     map_from: str | None = None
+    only_finished: bool = False
 
     def rows(self) -> dict[str, list[str]]:
         """Return the networks of every scene, in the paper's order, as far as they were asked for."""
@@ -97,4 +99,5 @@ class LocalizerRequest:
         parts += ["--networks", ",".join(self.networks)] if self.networks else []
         parts += [] if self.map_from is None else ["--map-from", self.map_from]
         parts += [] if self.device == "auto" else ["--device", self.device]
+        parts += ["--only-finished"] if self.only_finished else []
         return shlex.join(parts)

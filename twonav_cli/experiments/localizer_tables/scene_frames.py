@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from twonav_cli.checkpoint import Card
 from twonav_cli.dataset.store import FrameStore
 from twonav_cli.experiments.localizer_tables.report import HELD_CELLS, OFF_GRID, PAPER_SPLIT
 from twonav_cli.localizer.batches import Selection
@@ -41,6 +42,14 @@ class SceneFrames:
             OFF_GRID: (self.random, self.random.off_grid()),
             HELD_CELLS: (self.random, self.random.held_cells()),
         }
+
+    def seen_cells(self, card: Card) -> bool:
+        """Whether a network that learned from frames of another seed or map may have seen the held-out cells.
+
+        Which cells are held out, the seed and the map decide.
+        """
+        meta = self.random.meta
+        return any(card.get(name) is None or card[name] != meta.get(name) for name in ("seed", "map_digest"))
 
     def counts(self) -> dict[str, Any]:
         """Return how many frames there are of each kind, and who labelled them."""

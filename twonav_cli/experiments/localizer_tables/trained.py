@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
@@ -13,6 +14,7 @@ from twonav_cli.events import Sink
 from twonav_cli.experiments.localizer_tables.scene_frames import SceneFrames
 from twonav_cli.localizer.training import train
 from twonav_cli.localizer.training_config import TrainingConfig
+from twonav_cli.localizer.training_state import STATE_FILE
 from twonav_cli.mapping.floor import Floor
 from twonav_cli.paths import runs_dir
 
@@ -54,6 +56,36 @@ def finished(folder: Path, config: TrainingConfig, seed: int, floor: Floor) -> C
     return card
 
 
+def check_begun(folder: Path, config: TrainingConfig) -> None:
+    """Make sure that a training that was left in a folder is to end where it was meant to.
+
+    Its rate falls towards the end, so one that went on to another end would be neither budget's network.
+
+    Raises:
+        TwonavError: It was begun with another number of pictures.
+    """
+    images = _begun_images(folder / STATE_FILE)
+    if images not in (None, config.images):
+        raise TwonavError(
+            f"the training in {folder} was begun with {images} pictures and not {config.images}: "
+            f"go on with --images {images}, or delete the folder to train anew"
+        )
+
+
+def _begun_images(path: Path) -> Any:
+    """Return the budget that a training's state was begun with; None where there is none, or it does not say so."""
+    from safetensors import SafetensorError, safe_open
+
+    if not path.is_file():
+        return None
+    try:
+        with safe_open(path, framework="numpy") as opened:
+            facts = {"config": {}, **json.loads((opened.metadata() or {}).get("facts", "{}"))}
+            return facts["config"].get("images", facts.get("images"))
+    except (OSError, SafetensorError, ValueError, TypeError, AttributeError):  # damaged, which going on complains of
+        return None
+
+
 def train_row(
     frames: SceneFrames,
     folder: Path,
@@ -68,6 +100,7 @@ def train_row(
     Raises:
         TwonavError: Too few frames, a training of other settings was left in the folder, or it diverges.
     """
+    check_begun(folder, config)
     saved = train(
         frames.training(), folder, config, seed, frames.trials(), frames.validation(), should_stop, sink,
         resume=True, command=command,
