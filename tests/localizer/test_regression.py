@@ -2,34 +2,32 @@ import numpy as np
 import pytest
 import torch
 
-from twonav_cli.localizer.regression import PoseScale, RegressionHead, pose_targets, poses_of, regression_loss
+from twonav_cli.localizer.regression import RegressionHead, pose_targets, poses_of, regression_loss
 
 POSES = np.random.default_rng(4).uniform((-2.0, 1.0, -np.pi), (12.0, 4.0, np.pi), (300, 3)).astype(np.float32)
 
 
-def test_positions_of_the_training_labels_are_about_as_large_as_sines() -> None:
-    targets = pose_targets(torch.from_numpy(POSES), PoseScale.of(POSES)).numpy()
-    assert targets[:, :2].mean(axis=0) == pytest.approx(0.0, abs=1e-4)
-    assert targets[:, :2].std(axis=0) == pytest.approx(1.0, abs=1e-3)
-    assert targets[:, 2] == pytest.approx(np.sin(POSES[:, 2]), abs=1e-6)
-    assert targets[:, 3] == pytest.approx(np.cos(POSES[:, 2]), abs=1e-6)
+MIDDLE_M = torch.from_numpy(POSES[:, :2].mean(axis=0))
+
+
+def test_positions_count_in_metres_from_the_middle_of_the_training_labels() -> None:
+    targets = RegressionHead.fitted(POSES, None)
+    numbers = pose_targets(torch.from_numpy(POSES), targets.middle_m).numpy()
+    assert numbers[:, :2].mean(axis=0) == pytest.approx(0.0, abs=1e-4)
+    assert numbers[0, :2] - numbers[1, :2] == pytest.approx(POSES[0, :2] - POSES[1, :2], abs=1e-5)
+    assert numbers[:, 2] == pytest.approx(np.sin(POSES[:, 2]), abs=1e-6)
+    assert numbers[:, 3] == pytest.approx(np.cos(POSES[:, 2]), abs=1e-6)
 
 
 def test_numbers_stand_for_the_poses_that_they_were_made_of() -> None:
-    scale = PoseScale.of(POSES)
-    outputs = pose_targets(torch.from_numpy(POSES), scale)
-    assert poses_of(outputs, scale).numpy() == pytest.approx(POSES, abs=1e-4)
+    outputs = pose_targets(torch.from_numpy(POSES), MIDDLE_M)
+    assert poses_of(outputs, MIDDLE_M).numpy() == pytest.approx(POSES, abs=1e-4)
 
 
 def test_the_length_of_sine_and_cosine_changes_no_heading() -> None:
     outputs = torch.tensor([[0.0, 0.0, 0.3, -0.3], [0.0, 0.0, 3.0, -3.0]])
-    headings = poses_of(outputs, PoseScale.of(POSES))[:, 2]
+    headings = poses_of(outputs, MIDDLE_M)[:, 2]
     assert headings.tolist() == pytest.approx([3 * np.pi / 4] * 2)
-
-
-def test_frames_at_one_place_have_a_scale_all_the_same() -> None:
-    labels = np.zeros((5, 3), dtype=np.float32)
-    assert torch.isfinite(pose_targets(torch.from_numpy(labels), PoseScale.of(labels))).all()
 
 
 def test_the_loss_is_squared_near_the_truth_and_grows_evenly_far_from_it() -> None:

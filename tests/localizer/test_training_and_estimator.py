@@ -147,7 +147,7 @@ def test_weights_of_another_network_than_the_card_says_are_refused(
 ) -> None:
     arrays, card = load_checkpoint(trained[0], "localizer")
     card["settings"]["network"] = network
-    save_checkpoint(tmp_path, {**arrays, "offset_m": np.zeros(2, np.float32), "scale_m": np.ones(2, np.float32)}, card)
+    save_checkpoint(tmp_path, {**arrays, "middle_m": np.zeros(2, np.float32)}, card)
     with pytest.raises(TwonavError, match="train it again"):
         Estimator.load(tmp_path)
 

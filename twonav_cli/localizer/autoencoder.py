@@ -41,7 +41,10 @@ class StackedAutoencoder(nn.Module):
     def forward(self, pictures: Tensor) -> Tensor:
         """Map pictures [B, 3, 36, 36], 0 to 1, to numbers [B, outputs]."""
         x = self.encoded(pictures.flatten(1), len(self.layers))
-        return self.out(torch.relu(self.dense(x)))  # type: ignore[no-any-return]  # a module returns Any
+        x = torch.relu(self.dense(x))
+        # Metres need more digits than bfloat16 has: 3 cm at 7 m.
+        with torch.autocast(x.device.type, enabled=False):
+            return self.out(x.float())  # type: ignore[no-any-return]  # a module returns Any
 
     def encoded(self, x: Tensor, layers: int) -> Tensor:
         """Map inputs [B, D] to the units of a layer [B, units]; with 0 layers to themselves."""

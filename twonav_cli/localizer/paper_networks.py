@@ -75,7 +75,10 @@ class Cnn(nn.Module):
     def forward(self, pictures: Tensor) -> Tensor:
         """Map pictures [B, 3, 84, 84] to numbers [B, outputs]."""
         x = self.layers(pictures.contiguous(memory_format=torch.channels_last))
-        return self.out(torch.relu(self.dense(x.flatten(1))))  # type: ignore[no-any-return]  # a module returns Any
+        x = torch.relu(self.dense(x.flatten(1)))
+        # Metres need more digits than bfloat16 has: 3 cm at 7 m.
+        with torch.autocast(x.device.type, enabled=False):
+            return self.out(x.float())  # type: ignore[no-any-return]  # a module returns Any
 
     def fold(self) -> None:
         """Merge what can be merged, for inference."""
