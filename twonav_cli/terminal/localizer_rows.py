@@ -35,7 +35,13 @@ from twonav_cli.experiments.localizer_tables.report import (
 )
 from twonav_cli.experiments.localizer_tables.request import LocalizerRequest
 from twonav_cli.experiments.localizer_tables.scene_frames import SceneFrames
-from twonav_cli.experiments.localizer_tables.trained import check_begun, finished, row_folder, train_row
+from twonav_cli.experiments.localizer_tables.trained import (
+    check_begun,
+    finished,
+    row_folder,
+    shipped_card,
+    train_row,
+)
 from twonav_cli.experiments.predecessors import checkpoint_folder
 from twonav_cli.experiments.repeats import StoppedError
 from twonav_cli.localizer.batches import Selection
@@ -67,12 +73,21 @@ class SceneRows:
             TwonavError: A network was trained otherwise than it is asked for.
         """
         self.request, self.floor, self.should_stop = request, floor, should_stop
-        self.configs: dict[str, TrainingConfig] = {name: budget(name, floor.scene.name, request) for name in networks}
-        self.cards: dict[str, Card | None] = {
-            name: finished(self.folder(name), config, request.seed, floor) for name, config in self.configs.items()
-        }
         self.frames: SceneFrames | None = None
         self.notes: list[str] = []
+        self.configs: dict[str, TrainingConfig] = {name: budget(name, floor.scene.name, request) for name in networks}
+        self.cards: dict[str, Card | None] = {name: self._card(name) for name in self.configs}
+
+    def _card(self, name: str) -> Card | None:
+        """Return the card of a network: the user's, or where nothing is to be trained a shipped one (not for maps)."""
+        request, config = self.request, self.configs[name]
+        own = finished(self.folder(name), config, request.seed, self.floor)
+        if own is not None or not request.only_finished or request.quick or request.table == "fig7":
+            return own
+        shipped = shipped_card(name, config, request.seed, self.floor)
+        if shipped is not None:
+            self.notes.append(f"{name} here; its figures are the authors' of {shipped['date']}")
+        return shipped
 
     @property
     def scene(self) -> str:

@@ -16,7 +16,14 @@ from twonav_cli.checkpoint import load_checkpoint
 from twonav_cli.errors import TwonavError
 from twonav_cli.events import to_nobody
 from twonav_cli.experiments.localizer_tables.scene_frames import SceneFrames
-from twonav_cli.experiments.localizer_tables.trained import check_begun, finished, row_folder, train_row
+from twonav_cli.experiments.localizer_tables.trained import (
+    SHIPPED_CARDS,
+    check_begun,
+    finished,
+    row_folder,
+    shipped_card,
+    train_row,
+)
 from twonav_cli.localizer.training_config import TrainingConfig, training_settings
 from twonav_cli.localizer.training_state import STATE_FILE
 
@@ -117,3 +124,16 @@ def test_every_row_has_a_folder_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_
     rows = {row_folder(scene, name, quick) for scene in "ab" for name in ("cnn-7", "cnn-9") for quick in (False, True)}
     assert len(rows) == 8
     assert row_folder("kitchen", "cnn-7", True) == tmp_path / "reproduce-localizers" / "kitchen" / "cnn-7-quick"
+
+
+def test_a_shipped_card_stands_in_only_for_a_network_of_the_same_training(
+    finished_row: tuple[Path, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder, card = finished_row
+    shipped = tmp_path / "kitchen" / SHIPPED_CARDS / "cnn-7"
+    shipped.mkdir(parents=True)
+    (shipped / "card.json").write_text((folder / "card.json").read_text())
+    monkeypatch.setattr("twonav_cli.experiments.localizer_tables.trained.checkpoints_dir", lambda: tmp_path)
+    assert shipped_card("cnn-7", CONFIG, 0, FLOOR) == card
+    assert shipped_card("cnn-7", replace(CONFIG, images=960), 0, FLOOR) is None
+    assert shipped_card("cnn-9", CONFIG, 0, FLOOR) is None

@@ -16,9 +16,10 @@ from twonav_cli.localizer.training import train
 from twonav_cli.localizer.training_config import TrainingConfig
 from twonav_cli.localizer.training_state import STATE_FILE
 from twonav_cli.mapping.floor import Floor
-from twonav_cli.paths import runs_dir
+from twonav_cli.paths import checkpoints_dir, runs_dir
 
 FOLDER = "reproduce-localizers"
+SHIPPED_CARDS = "paper-networks"
 
 MAY_DIFFER = (
     "device", "precision", "threads", "validations", "validation_frames", "nearest_frames", "save_every_s",
@@ -83,6 +84,18 @@ def _begun_images(path: Path) -> Any:
             facts = {"config": {}, **json.loads((opened.metadata() or {}).get("facts", "{}"))}
             return facts["config"].get("images", facts.get("images"))
     except (OSError, SafetensorError, ValueError, TypeError, AttributeError):  # damaged, which going on complains of
+        return None
+
+
+def shipped_card(network: str, config: TrainingConfig, seed: int, floor: Floor) -> Card | None:
+    """Return the shipped card of a network that was trained for our own page; None where there is none, or of another.
+
+    Its weights are not shipped, only what was measured.
+    """
+    folder = checkpoints_dir() / floor.scene.name / SHIPPED_CARDS / network
+    try:
+        return finished(folder, config, seed, floor)
+    except TwonavError:
         return None
 
 
