@@ -76,6 +76,9 @@ def looks_line(looks: LookSummary) -> str:
     def sure(confidence: float | None) -> str:
         return "-" if confidence is None else f"{confidence:.2f}"
 
+    if looks.wrong == 0:
+        median = sure(looks.confidence_right)
+        return f"looks: {looks.looks}, none of them more than {WRONG_M} m off; confidence (median) {median}"
     return (
         f"looks: {looks.looks}, {looks.wrong} of them ({100 * looks.wrong_share:.1f} %) more than {WRONG_M} m off; "
         f"confidence (median) {sure(looks.confidence_wrong)} in these, {sure(looks.confidence_right)} in the others"
