@@ -17,7 +17,6 @@ from twonav_cli.localizer.belief_filter import (
     FilterConfig,
     FreeFloor,
     correct,
-    draw_again,
     look_likelihood,
     predict,
 )
@@ -180,16 +179,6 @@ def test_no_particle_ever_gets_a_likelihood_of_zero_or_less() -> None:
         particles = np.array(pose) + 0.2 * rng.standard_normal((300, 3))
         likelihood = look_likelihood(camera.look(pose)[0], particles, rng.dirichlet(np.ones(300)), CONFIG)
         assert likelihood.min() > 0.0
-
-
-def test_particles_are_drawn_in_even_steps_through_their_weights() -> None:
-    copies = np.bincount(draw_again(np.array([0.1, 0.0, 0.6, 0.3]), 1000, np.random.default_rng(0)), minlength=4)
-    assert copies.tolist() == pytest.approx([100, 0, 600, 300], abs=1)
-
-
-def test_weights_that_do_not_add_up_to_one_are_drawn_alike() -> None:
-    copies = np.bincount(draw_again(np.array([0.02, 0.06]), 100, np.random.default_rng(0)), minlength=2)
-    assert copies.tolist() == pytest.approx([25, 75], abs=1)
 
 
 # The filter

@@ -58,3 +58,8 @@ def test_copies_match_the_weights_on_average() -> None:
 def test_weights_that_do_not_quite_sum_to_one_name_no_particle_that_is_not_there() -> None:
     assert drawn_with([0.5, 0.5 - 1e-6], 0.9999999) == [0, 1]
     assert systematic(np.array([1.0]), np.random.default_rng(0)).tolist() == [0]
+
+
+def test_more_places_than_particles_are_filled_in_even_steps_through_the_weights() -> None:
+    drawn = systematic(np.array([0.1, 0.0, 0.6, 0.3]), np.random.default_rng(0), 1000)
+    assert np.bincount(drawn, minlength=4).tolist() == pytest.approx([100, 0, 600, 300], abs=1)

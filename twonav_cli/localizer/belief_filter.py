@@ -21,7 +21,7 @@ from twonav_cli.config import OdometryNoise
 from twonav_cli.geometry import FloatArray, Pose, wrap_angles
 from twonav_cli.grid import GridFrame
 from twonav_cli.localizer.particle_clusters import clusters_of
-from twonav_cli.mapping.resampling import effective_number
+from twonav_cli.mapping.resampling import effective_number, systematic
 
 NEAR_M, NEAR_RAD = 0.15, 0.15
 """Deviations within which particles are near a place that a look names, so that its bell orders them (ours)."""
@@ -178,12 +178,6 @@ def _around(squared: FloatArray, bells: FloatArray, least: float, near: float, c
     return np.stack([heights.sum(axis=1), heights @ bells[:, 0], np.minimum(closeness, 1.0)])
 
 
-def draw_again(weights: FloatArray, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
-    """Return which particles [count] go on: one draw, then even steps through the weights [P] (systematic)."""
-    marks = (np.arange(count) + rng.random()) / count
-    return np.minimum(np.searchsorted(np.cumsum(weights) / weights.sum(), marks), len(weights) - 1)
-
-
 MOST_DOUBT = 0.99
 """A look that names no place at all still begins a belief: some pose must be told (ours)."""
 
@@ -262,10 +256,11 @@ class BeliefFilter:
     def _draw_again_if_few(self) -> None:
         """Draw the particles again when few carry the weight, or when the looks have added too many."""
         config, weights = self.config, self._weights
-        few = effective_number(weights / weights.sum()) < config.resample_share * len(weights)
+        shares = weights / weights.sum()
+        few = effective_number(shares) < config.resample_share * len(weights)
         if not few and len(weights) <= MOST_PARTICLES * config.particles:
             return
-        drawn = self._particles[draw_again(weights, config.particles, self._rng)]
+        drawn = self._particles[systematic(shares, self._rng, config.particles)]
         jitter = (config.jitter_m, config.jitter_m, config.jitter_rad)
         self._particles = drawn + jitter * self._rng.standard_normal(drawn.shape)
         self._particles[:, 2] = wrap_angles(self._particles[:, 2])

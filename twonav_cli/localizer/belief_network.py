@@ -1,8 +1,8 @@
 """Our own network: few wide convolutions on a picture folded four by four, with a belief as output (ours).
 
-On a processor wide 3x3 convolutions on small maps do four times the arithmetic of inception layers in the same time, so
-this network learns more per minute than the paper's nine layers. No pooling, as the paper advises (§3.2.1): folding
-keeps every pixel. B batch.
+On a processor wide 3x3 convolutions on small maps do more than twice the arithmetic of inception layers in the same
+time, so this network learns more per minute than the paper's nine layers. No pooling, as the paper advises (§3.2.1):
+folding keeps every pixel. B batch.
 """
 
 from __future__ import annotations

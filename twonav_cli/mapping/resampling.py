@@ -19,8 +19,14 @@ def effective_number(weights: FloatArray) -> float:
     return float(1.0 / np.square(weights).sum())
 
 
-def systematic(weights: FloatArray, rng: np.random.Generator) -> NDArray[np.int64]:
-    """Return the particle [P] that each place goes on with: one draw, then even steps through the weights."""
-    count = len(weights)
-    marks = (np.arange(count) + rng.random()) / count
-    return np.minimum(np.searchsorted(np.cumsum(weights), marks), count - 1)
+def systematic(weights: FloatArray, rng: np.random.Generator, count: int | None = None) -> NDArray[np.int64]:
+    """Return the particle [count] that each place goes on with: one draw, then even steps through the weights [P].
+
+    Args:
+        weights: They add up to 1.
+        rng: One number is drawn.
+        count: How many places there are; None for as many as particles.
+    """
+    places = len(weights) if count is None else count
+    marks = (np.arange(places) + rng.random()) / places
+    return np.minimum(np.searchsorted(np.cumsum(weights), marks), len(weights) - 1)

@@ -13,7 +13,6 @@ from twonav_cli.mapping.floor import survey_command
 from twonav_cli.paths import checkpoints_dir, runs_dir
 from twonav_cli.terminal.console import out
 
-DEFAULT_SCENE = "apartment"
 """What `twonav play` plays in unless told otherwise."""
 
 
