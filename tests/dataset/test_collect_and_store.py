@@ -20,8 +20,8 @@ def test_what_was_rendered_is_read_back_with_its_pose(tmp_path: Path) -> None:
     camera = ToyCamera()
     store = open_store(collect(camera, toy_plan(), tmp_path, KITCHEN), "digest")
     images, poses = store.batch(np.array([7, 2]))
-    assert images[:, 40, 40, 1].tolist() == [2, 7]
-    assert poses[:, 0].tolist() == [2.0, 7.0]
+    assert images[:, 40, 40, 1].tolist() == [7, 2]
+    assert poses[:, 0].tolist() == [7.0, 2.0]
     assert store.meta["render"] == {"shadows": False}
     assert camera.closed
 

@@ -24,5 +24,12 @@ def test_every_batch_is_read_once_and_in_its_turn(toy_store: FrameStore, start: 
     read = list(batches((toy_store, frames), start, stop, 30, seed=3))
     assert len(read) == stop - start
     for (images, labels), indices in zip(read, batch_indices(start, stop, frames, 30, seed=3), strict=True):
-        assert np.array_equal(images, toy_store.frames[np.sort(indices)])
-        assert np.array_equal(labels, toy_store.labels[np.sort(indices)])
+        assert np.array_equal(images, toy_store.frames[indices])
+        assert np.array_equal(labels, toy_store.labels[indices])
+
+
+def test_the_parts_of_a_batch_are_from_everywhere(toy_store: FrameStore) -> None:
+    frames = toy_store.training()
+    first, second = (np.array_split(indices, 2) for indices in batch_indices(0, 2, frames, 60, seed=3))
+    middle = np.median(frames)
+    assert all(0.2 < (part < middle).mean() < 0.8 for part in (*first, *second))

@@ -21,8 +21,8 @@ from twonav_cli.experiments.localizer_tables.report import (
     LocalizerReport,
     belief_row,
     nearest_row,
-    paper_row,
     table_report,
+    trained_row,
 )
 from twonav_cli.experiments.localizer_tables.request import LocalizerRequest
 from twonav_cli.grid import GridFrame
@@ -111,7 +111,7 @@ def made_up_report(table: str, missing: tuple[str, ...] = (), notes: tuple[str, 
     for scene, networks in request.rows().items():
         for number, network in enumerate(networks, start=1):
             card = None if network in missing else made_up_card(0.05 + 0.01 * number)
-            rows.append(paper_row(scene, network, card, runs_dir() / network))
+            rows.append(trained_row(scene, network, card, runs_dir() / network))
         errors = made_up_card(0.03)["metrics"]
         rows.append(belief_row(scene, errors, made_up_card(0.03, 800_000), runs_dir() / BELIEF))
         rows.append(nearest_row(scene, made_up_card(0.04)["metrics"]))

@@ -80,9 +80,15 @@ class FrameStore:
         return np.flatnonzero((self.kinds == GRID) & (self.splits == TEST))
 
     def batch(self, indices: Indices) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
-        """Return copies of the images [B, 84, 84, 3] and labels [B, 3] of some frames, in ascending order of index."""
-        ordered = np.sort(indices)
-        return np.asarray(self.frames[ordered]), self.labels[ordered]
+        """Return copies of the images [B, 84, 84, 3] and labels [B, 3] of some frames [B], in the order asked for.
+
+        They are read in the order in which they lie on the disk. Neighbours on the disk are neighbours in the scene: a
+        batch in that order would not be mixed, and each half of it would be normalised by another half of the scene.
+        """
+        order = np.argsort(indices, kind="stable")
+        images = np.empty((len(indices), *self.frames.shape[1:]), dtype=self.frames.dtype)
+        images[order] = self.frames[indices[order]]
+        return images, self.labels[indices]
 
 
 def open_store(folder: Path, scene_digest: str | None = None) -> FrameStore:

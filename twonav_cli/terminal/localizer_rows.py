@@ -30,7 +30,7 @@ from twonav_cli.experiments.localizer_tables.report import (
     LocalizerRow,
     belief_row,
     nearest_row,
-    paper_row,
+    trained_row,
     training_figures,
 )
 from twonav_cli.experiments.localizer_tables.request import LocalizerRequest
@@ -186,7 +186,7 @@ class SceneRows:
         Raises:
             StoppedError: Measuring was interrupted.
         """
-        found = [paper_row(self.scene, name, card, self.folder(name)) for name, card in self.cards.items()]
+        found = [trained_row(self.scene, name, card, self.folder(name)) for name, card in self.cards.items()]
         if self.frames is None:
             return found
         ours = self._belief()

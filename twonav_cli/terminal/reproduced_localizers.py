@@ -18,6 +18,7 @@ from twonav_cli.experiments.localizer_tables.report import (
     LocalizerReport,
     LocalizerRow,
 )
+from twonav_cli.experiments.localizer_tables.request import OWN_ROW
 from twonav_cli.terminal.console import out
 
 NONE = "-"
@@ -25,6 +26,7 @@ MARKS = "abcdefgh"
 NOT_TRAINED = "not trained"
 
 WHAT_ROWS_ARE = {
+    OWN_ROW: "our network, trained on the paper's frames as often as the paper's networks",
     BELIEF: "our network, trained on pictures at random poses, measured at the same frames",
     NEAREST: "the pose of the most alike training frame, without any learning",
 }

@@ -9,7 +9,7 @@ import pytest
 from twonav_cli.errors import TwonavError
 from twonav_cli.experiments.localizer_tables.budget import QUICK_BATCH, QUICK_IMAGES, budget
 from twonav_cli.experiments.localizer_tables.report import BELIEF, NEAREST
-from twonav_cli.experiments.localizer_tables.request import PASSES, PRINTED, LocalizerRequest, default_images
+from twonav_cli.experiments.localizer_tables.request import OWN_ROW, PASSES, PRINTED, LocalizerRequest, default_images
 from twonav_cli.experiments.paper_figures import TABLE_1, TABLE_2
 from twonav_cli.experiments.tables.catalog import LOCALIZER_TABLES, TABLES, tables_named
 from twonav_cli.localizer.networks import NETWORKS, OURS, SDAS
@@ -34,7 +34,8 @@ def test_a_table_has_the_papers_rows_in_the_papers_order() -> None:
     assert TABLE_3.rows()["apartment"] == ["sda-3x4000"]
     in_kitchen = ["sda-1x1500", "sda-1x4000", "sda-2x1500", "sda-2x4000", "sda-3x1500", "sda-3x4000"]
     assert TABLE_3.rows()["kitchen"] == in_kitchen
-    assert {scene: len(rows) for scene, rows in TABLE_4.rows().items()} == {"kitchen": 6, "apartment": 5}
+    assert {scene: len(rows) for scene, rows in TABLE_4.rows().items()} == {"kitchen": 7, "apartment": 6}
+    assert [rows[-1] for rows in TABLE_4.rows().values()] == [OWN_ROW, OWN_ROW]
     assert LocalizerRequest("fig7").rows() == {"apartment": ["sda-3x4000", "inception-9"]}
 
 
@@ -93,6 +94,12 @@ def test_convolutional_networks_and_autoencoders_get_the_pictures_of_one_table()
     assert sda.images * PASSES["cnn"] == 596_160 * PASSES["sda"]
     assert sda.pretraining_images == training_settings("sda-2x1500").pretraining_images > 0
     assert sda.batch == training_settings("sda-2x1500").batch
+
+
+def test_our_network_gets_the_frames_and_passes_of_the_papers_convolutional_ones() -> None:
+    own = budget(OWN_ROW, "apartment", TABLE_4)
+    assert (own.network, own.images) == (OURS, budget("cnn-7", "apartment", TABLE_4).images)
+    assert own.peak_rate == training_settings(OURS).peak_rate
 
 
 def test_an_autoencoders_layers_get_their_share_of_other_budgets() -> None:

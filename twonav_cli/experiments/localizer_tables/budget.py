@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from typing import Any
 
-from twonav_cli.experiments.localizer_tables.request import LocalizerRequest, default_images
+from twonav_cli.experiments.localizer_tables.request import OWN_ROW, LocalizerRequest, default_images
+from twonav_cli.localizer.networks import OURS
 from twonav_cli.localizer.training_config import TrainingConfig, training_settings
 
 QUICK_IMAGES, QUICK_BATCH = 6_000, 64
 """For `--quick`; the small frame sets hold fewer frames than a usual batch of an autoencoder."""
 
 
-def budget(network: str, scene: str, request: LocalizerRequest) -> TrainingConfig:
-    """Return how a network is trained for a table; an autoencoder's layers get pictures before in proportion.
+def budget(row: str, scene: str, request: LocalizerRequest) -> TrainingConfig:
+    """Return how a row's network is trained for a table; an autoencoder's layers get pictures before in proportion.
 
     Raises:
         TwonavError: There is no network of that name.
     """
+    network = OURS if row == OWN_ROW else row
     usual = default_images(network, scene)
     images = request.images or (QUICK_IMAGES if request.quick else usual)
     before = training_settings(network).pretraining_images

@@ -78,10 +78,10 @@ def table_report(request: LocalizerRequest, rows: list[LocalizerRow], scenes: Fi
     )
 
 
-def paper_row(scene: str, network: str, card: Card | None, folder: Path) -> LocalizerRow:
-    """Return a row of the paper's table beside a network that was trained, or was not."""
-    printed = (TABLE_3 | TABLE_4)[scene, network]._asdict()
-    return LocalizerRow(scene, network, printed, *_of_card(card, folder))
+def trained_row(scene: str, network: str, card: Card | None, folder: Path) -> LocalizerRow:
+    """Return a row that is trained for a table, whether it is yet or not, beside what the paper printed of it."""
+    printed = (TABLE_3 | TABLE_4).get((scene, network))
+    return LocalizerRow(scene, network, printed and printed._asdict(), *_of_card(card, folder))
 
 
 def belief_row(scene: str, errors: Figures, card: Card, folder: Path) -> LocalizerRow:

@@ -8,10 +8,19 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from twonav_cli.errors import TwonavError, unknown_name
-from twonav_cli.experiments.paper_figures import FIG_7, TABLE_3, TABLE_4
+from twonav_cli.experiments.paper_figures import FIG_7, SIZES_M, TABLE_3, TABLE_4
 
 PRINTED: dict[str, Mapping[tuple[str, str], Any]] = {"table3": TABLE_3, "table4": TABLE_4, "fig7": FIG_7}
 """Name to the paper's figures by scene and network."""
+
+OWN_ROW = "belief-grid"
+"""A row of Table 4 that the paper does not have: our network, trained on the frames of the paper's (ours)."""
+
+ROWS: dict[str, list[tuple[str, str]]] = {
+    table: [*printed, *((scene, OWN_ROW) for scene in SIZES_M if table == "table4")]
+    for table, printed in PRINTED.items()
+}
+"""Name to the rows that are trained, each a scene and a network."""
 
 PASSES = {"cnn": 12, "sda": 6}
 """How often each network is shown its training frames to learn poses (ours; the paper: 10,000 epochs, §4.2.1)."""
@@ -52,9 +61,9 @@ class LocalizerRequest:
     only_finished: bool = False
 
     def rows(self) -> dict[str, list[str]]:
-        """Return the networks of every scene, in the paper's order, as far as they were asked for."""
+        """Return the networks of every scene, the paper's in its order, as far as they were asked for."""
         found: dict[str, list[str]] = {}
-        for scene, network in PRINTED[self.table]:
+        for scene, network in ROWS[self.table]:
             if self.scene in (None, scene) and (not self.networks or network in self.networks):
                 found.setdefault(scene, []).append(network)
         return found
@@ -70,12 +79,12 @@ class LocalizerRequest:
             TwonavError: No row of the table has that scene or network, a number is out of its range, or there is no
                 such device.
         """
-        printed = PRINTED[self.table]
-        known = list(dict.fromkeys(network for _, network in printed))
+        rows = ROWS[self.table]
+        known = list(dict.fromkeys(network for _, network in rows))
         for network in self.networks:
             if network not in known:
                 raise unknown_name(f"network of {self.table}", network, known)
-        scenes = list(dict.fromkeys(scene for scene, _ in printed))
+        scenes = list(dict.fromkeys(scene for scene, _ in rows))
         if self.scene is not None and self.scene not in scenes:
             raise unknown_name(f"scene of {self.table}", self.scene, scenes)
         if not self.rows():
