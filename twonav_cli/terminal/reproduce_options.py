@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from twonav_cli.experiments.localizer_tables.request import PASSES
+from twonav_cli.experiments.localizer_tables.request import PICTURES
 
 _FOR = "(table3, table4, fig7)"
 
@@ -19,7 +19,7 @@ RowImagesOption = Annotated[
         "--images",
         min=1,
         help=f"Pictures shown to each network, repeats included {_FOR}.",
-        show_default=f"its frames {PASSES['cnn']} times; autoencoders {PASSES['sda']}",
+        show_default=f"{PICTURES['cnn']:,}; autoencoders {PICTURES['sda']:,}",
     ),
 ]
 RowDeviceOption = Annotated[

@@ -9,7 +9,14 @@ import pytest
 from twonav_cli.errors import TwonavError
 from twonav_cli.experiments.localizer_tables.budget import QUICK_BATCH, QUICK_IMAGES, budget
 from twonav_cli.experiments.localizer_tables.report import BELIEF, NEAREST
-from twonav_cli.experiments.localizer_tables.request import OWN_ROW, PASSES, PRINTED, LocalizerRequest, default_images
+from twonav_cli.experiments.localizer_tables.request import (
+    OWN_ROW,
+    PICTURES,
+    PRINTED,
+    ROWS,
+    LocalizerRequest,
+    default_images,
+)
 from twonav_cli.experiments.paper_figures import TABLE_1, TABLE_2
 from twonav_cli.experiments.tables.catalog import LOCALIZER_TABLES, TABLES, tables_named
 from twonav_cli.localizer.networks import NETWORKS, OURS, SDAS
@@ -17,6 +24,7 @@ from twonav_cli.localizer.paper_networks import CNNS
 from twonav_cli.localizer.training_config import training_settings
 
 TABLE_3, TABLE_4 = LocalizerRequest("table3"), LocalizerRequest("table4")
+TABLE_4_ROWS = ROWS["table4"]
 
 
 def test_every_printed_network_is_one_that_can_be_trained() -> None:
@@ -86,20 +94,24 @@ def test_all_are_the_tables_about_mazes_and_the_others_go_by_name() -> None:
 # How much training
 
 
-def test_convolutional_networks_and_autoencoders_get_the_pictures_of_one_table() -> None:
-    assert (
-        budget("inception-9-hsv", "kitchen", TABLE_4).images == default_images("inception-9-hsv", "kitchen") == 596_160
-    )
+def test_convolutional_networks_get_the_same_pictures_in_every_scene_and_autoencoders_half() -> None:
+    cnns = [budget(name, scene, TABLE_4).images for scene, name in TABLE_4_ROWS if name not in ("inception-9", OWN_ROW)]
+    assert set(cnns) == {PICTURES["cnn"]} == {2 * PICTURES["sda"]}
     sda = budget("sda-2x1500", "kitchen", TABLE_3)
-    assert sda.images * PASSES["cnn"] == 596_160 * PASSES["sda"]
+    assert sda.images == PICTURES["sda"] == budget("sda-3x4000", "apartment", TABLE_3).images
     assert sda.pretraining_images == training_settings("sda-2x1500").pretraining_images > 0
     assert sda.batch == training_settings("sda-2x1500").batch
 
 
-def test_our_network_gets_the_frames_and_passes_of_the_papers_convolutional_ones() -> None:
-    own = budget(OWN_ROW, "apartment", TABLE_4)
-    assert (own.network, own.images) == (OURS, budget("cnn-7", "apartment", TABLE_4).images)
-    assert own.peak_rate == training_settings(OURS).peak_rate
+@pytest.mark.parametrize("network", ["inception-9", OWN_ROW])
+def test_the_best_network_of_the_paper_and_ours_see_each_frame_as_often_in_the_apartment(network: str) -> None:
+    kitchen, apartment = (budget(network, scene, TABLE_4).images for scene in ("kitchen", "apartment"))
+    assert (kitchen, apartment) == (PICTURES["cnn"], 3 * PICTURES["cnn"])
+
+
+def test_our_network_is_trained_on_the_papers_frames_with_its_own_settings() -> None:
+    own = budget(OWN_ROW, "kitchen", TABLE_4)
+    assert (own.network, own.peak_rate) == (OURS, training_settings(OURS).peak_rate)
 
 
 def test_an_autoencoders_layers_get_their_share_of_other_budgets() -> None:

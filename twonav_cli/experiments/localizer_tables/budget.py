@@ -19,7 +19,7 @@ def budget(row: str, scene: str, request: LocalizerRequest) -> TrainingConfig:
         TwonavError: There is no network of that name.
     """
     network = OURS if row == OWN_ROW else row
-    usual = default_images(network, scene)
+    usual = default_images(row, scene)
     images = request.images or (QUICK_IMAGES if request.quick else usual)
     before = training_settings(network).pretraining_images
     changes: dict[str, Any] = {
