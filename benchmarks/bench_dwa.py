@@ -15,7 +15,7 @@ from twonav_cli.config import DriveConfig
 from twonav_cli.geometry import Pose, Twist
 from twonav_cli.grid import GridFrame
 from twonav_cli.navigation.costmap import CostMap
-from twonav_cli.navigation.dwa import DynamicWindow, Leg
+from twonav_cli.navigation.dwa import DynamicWindow, Leg, Planner
 from twonav_cli.navigation.dwa_costs import DwaWeights
 
 FRAME = GridFrame(0.0, 0.0, 0.05, 60, 60)
@@ -36,7 +36,7 @@ def doorway() -> CostMap:
     return window
 
 
-def numpy_costs(planner: DynamicWindow, window: CostMap, candidates: NDArray[np.float64]) -> NDArray[np.float64]:
+def numpy_costs(planner: Planner, window: CostMap, candidates: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the costs [N] of candidates [N, 3]: the same plan, every outline point [N, T, P] looked up."""
     limits, weights, rollout = planner.limits, DwaWeights(), planner.rollout
     vx, vy, turn = candidates.T
@@ -93,11 +93,11 @@ def main() -> None:
         planner = DynamicWindow(CONFIG, base)
         plan = planner.plan(window, POSE, TWIST, LEG, whole=True)
         candidates = plan.candidates.copy()
-        same = int(np.argmin(numpy_costs(planner, window, candidates))) == plan.best
+        same = int(np.argmin(numpy_costs(planner.planner, window, candidates))) == plan.best
         ours, theirs = [], []
         for _ in range(ROUNDS):
             ours.append(seconds_each(lambda p=planner: p.plan(window, POSE, TWIST, LEG), 2000))
-            theirs.append(seconds_each(lambda p=planner, c=candidates: numpy_costs(p, window, c), 1))
+            theirs.append(seconds_each(lambda p=planner, c=candidates: numpy_costs(p.planner, window, c), 1))
         fast, slow = float(np.median(ours)), float(np.median(theirs))
         print(
             f"{base}: {len(candidates)} velocities x {CONFIG.rollout_poses} poses, {1 / fast:,.0f} plans/s; "

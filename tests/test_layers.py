@@ -18,7 +18,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 NAMES = [".".join(("twonav_cli", *path.relative_to(PACKAGE).with_suffix("").parts)) for path in MODULES]
 
 LAYERS = (
-    "ground", "scene", "navigation", "mapping", "dataset", "localizer", "learner", "stages", "environments",
+    "ground", "scene", "navigation", "sim2d", "mapping", "dataset", "localizer", "learner", "stages", "environments",
     "experiments", "plotting", "recording", "terminal",
 )  # fmt: skip
 """A module imports from its own layer and from those before it."""

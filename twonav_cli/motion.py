@@ -3,11 +3,28 @@
 from __future__ import annotations
 
 import math
+from dataclasses import astuple
+from typing import NamedTuple
 
 import numpy as np
 
 from twonav_cli.config import OdometryNoise
-from twonav_cli.geometry import Pose, wrap_angle
+from twonav_cli.geometry import FloatArray, Pose
+
+
+class NoiseRates(NamedTuple):
+    """OdometryNoise as a compiled loop takes it."""
+
+    forward_per_m: float
+    sideways_per_m: float
+    turn_per_rad: float
+    turn_per_m: float
+    shift_per_rad: float
+
+
+def noise_rates(noise: OdometryNoise) -> NoiseRates:
+    """Return the five deviations of odometry's errors."""
+    return NoiseRates(*astuple(noise))
 
 
 def noisy_motion(relative: Pose, noise: OdometryNoise, rng: np.random.Generator) -> Pose:
@@ -26,17 +43,30 @@ def noisy_motion(relative: Pose, noise: OdometryNoise, rng: np.random.Generator)
     Returns:
         The reported motion in the same frame; no motion is reported as none.
     """
-    along, across, turning, veering, skid_x, skid_y = (float(e) for e in rng.standard_normal(6))
-    driven_m = math.hypot(relative.x_m, relative.y_m)
-    direction_rad = math.atan2(relative.y_m, relative.x_m)
-    root_m, root_rad = math.sqrt(driven_m), math.sqrt(abs(relative.theta_rad))
-    along_m = driven_m + noise.forward_per_m * root_m * along
-    across_m = noise.sideways_per_m * root_m * across
-    shift_m = noise.shift_per_rad * root_rad
+    drawn = rng.standard_normal(6)
+    return Pose(*reported_motion(relative.x_m, relative.y_m, relative.theta_rad, noise_rates(noise), drawn))
+
+
+def reported_motion(
+    x_m: float, y_m: float, turn_rad: float, rates: NoiseRates, drawn: FloatArray
+) -> tuple[float, float, float]:
+    """Return a motion with the five errors of odometry (§3.1.3), x_m, y_m and turn_rad.
+
+    Args:
+        x_m, y_m, turn_rad: The true motion, in the robot's frame before it.
+        rates: Deviations after one metre or one radian.
+        drawn: [6] standard normal numbers.
+    """
+    driven_m = math.hypot(x_m, y_m)
+    direction_rad = math.atan2(y_m, x_m)
+    root_m, root_rad = math.sqrt(driven_m), math.sqrt(abs(turn_rad))
+    along_m = driven_m + rates.forward_per_m * root_m * drawn[0]
+    across_m = rates.sideways_per_m * root_m * drawn[1]
+    shift_m = rates.shift_per_rad * root_rad
     cos, sin = math.cos(direction_rad), math.sin(direction_rad)
-    turn_error_rad = noise.turn_per_rad * root_rad * turning + noise.turn_per_m * root_m * veering
-    return Pose(
-        cos * along_m - sin * across_m + shift_m * skid_x,
-        sin * along_m + cos * across_m + shift_m * skid_y,
-        wrap_angle(relative.theta_rad + turn_error_rad),
+    turned_rad = turn_rad + rates.turn_per_rad * root_rad * drawn[2] + rates.turn_per_m * root_m * drawn[3]
+    return (
+        cos * along_m - sin * across_m + shift_m * drawn[4],
+        sin * along_m + cos * across_m + shift_m * drawn[5],
+        (turned_rad + math.pi) % (2.0 * math.pi) - math.pi,
     )

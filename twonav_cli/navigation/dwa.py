@@ -26,7 +26,7 @@ from twonav_cli.navigation.dwa_costs import (
     target_cost,
 )
 from twonav_cli.navigation.footprint import FloatArray, Footprint, WindowGrid, overlap, robot_footprint, touches
-from twonav_cli.navigation.rollout import Rollout, braking_time_s, displacement, freeing_cost, obstacle_cost
+from twonav_cli.navigation.rollout import Rollout, braking_time_s, displacement, freeing_cost, obstacle_cost, turned
 from twonav_cli.navigation.velocity_window import (
     DIFFERENTIAL_SAMPLES,
     OMNI_SAMPLES,
@@ -34,6 +34,9 @@ from twonav_cli.navigation.velocity_window import (
     differential_window,
     omni_window,
 )
+
+SEARCHED = 24
+"""Candidates that are found one by one before the others are sorted: mostly fewer are looked at (ours)."""
 
 
 class Leg(NamedTuple):
@@ -108,7 +111,15 @@ def best_candidate(
     left_m = math.hypot(leg.target_x_m - pose[0], leg.target_y_m - pose[1])
     best, best_cost = -1, np.inf
     # Cheapest first: obstacles only add, so what begins above the best found cannot win. Spares nine tenths.
-    for i in np.argsort(costs, kind="mergesort"):
+    order, left = np.empty(0, dtype=np.int64), costs.copy()
+    for turn in range(costs.shape[0]):
+        if turn < SEARCHED:
+            i = int(np.argmin(left))
+            left[i] = np.inf
+        else:
+            if turn == SEARCHED:
+                order = np.argsort(left, kind="mergesort")
+            i = int(order[turn - SEARCHED])
         if prune and costs[i] >= best_cost:
             break
         if allowed_overlap > 0:
@@ -126,6 +137,115 @@ def best_candidate(
     return best
 
 
+class Planner(NamedTuple):
+    """A base and how its candidates are weighed."""
+
+    omni: bool
+    robot: Footprint
+    limits: Limits
+    rollout: Rollout
+    weights: Weights
+
+
+class Choices(NamedTuple):
+    """Candidates [N, 3] and their costs [N], written in place."""
+
+    candidates: FloatArray
+    costs: FloatArray
+
+
+def new_choices(omni: bool) -> Choices:
+    """Return room for every candidate of a base."""
+    samples = math.prod(OMNI_SAMPLES) if omni else math.prod(DIFFERENTIAL_SAMPLES)
+    return Choices(np.zeros((samples, 3)), np.zeros(samples))
+
+
+@compiled
+def overlap_at(distance_m: FloatArray, grid: WindowGrid, robot: Footprint, pose: Pose) -> int:
+    """Return how many outline points lie on marks at a pose; at least 1 where the robot touches anything."""
+    cos, sin = math.cos(pose[2]), math.sin(pose[2])
+    if not touches(distance_m, grid, robot, pose[0], pose[1], cos, sin):
+        return 0
+    return max(overlap(distance_m, grid, robot, pose[0], pose[1], cos, sin), 1)
+
+
+@compiled
+def _turn_cap(limits: Limits, left_m: float, speed_mps: float) -> float:
+    """Return the fastest turn that can be braked by the time the target is reached."""
+    braking_s = speed_mps / limits.acceleration_mps2
+    arrival_s = max(left_m - 0.5 * speed_mps * braking_s, 0.0) / limits.forward_mps + braking_s
+    return limits.turn_acceleration_radps2 * arrival_s
+
+
+@compiled
+def sample_candidates(
+    planner: Planner, pose: Pose, twist: Twist, leg: Leg, on_the_spot: bool, candidates: FloatArray
+) -> int:
+    """Fill candidates [N, 3] that can be reached from a twist, and return how many there are."""
+    theta = pose[2]
+    if not planner.omni:
+        return differential_window(twist[0], twist[2], theta, on_the_spot, planner.limits, candidates)
+    # While turning, a twist's velocity over the last period is the one half a turn ago (see command_of).
+    vx, vy = turned(twist[0], twist[1], theta - 0.5 * twist[2] * planner.limits.tick_s)
+    dx, dy = leg.target_x_m - pose[0], leg.target_y_m - pose[1]
+    left_m = math.hypot(dx, dy)
+    if left_m < 1e-6:
+        dx, dy = turned(1.0, 0.0, theta - 0.5 * twist[2] * planner.limits.tick_s)
+        left_m = 1.0
+    cap = _turn_cap(planner.limits, left_m, math.hypot(vx, vy))
+    return omni_window(vx, vy, twist[2], theta, dx / left_m, dy / left_m, cap, planner.limits, candidates)
+
+
+@compiled
+def command_of(planner: Planner, pose: Pose, candidate: FloatArray) -> tuple[float, float, float]:
+    """Return the twist that drives a candidate for one period.
+
+    An omnidirectional base turns away under its velocity: half the turn is taken back, so the chord is right.
+    """
+    vx, vy, turn = candidate[0], candidate[1], candidate[2]
+    theta = pose[2] + (0.5 * turn * planner.limits.tick_s if planner.omni else 0.0)
+    forward, left = turned(vx, vy, -theta)
+    return forward, left if planner.omni else 0.0, turn
+
+
+@compiled
+def plan_period(
+    planner: Planner,
+    distance_m: FloatArray,
+    grid: WindowGrid,
+    pose: Pose,
+    twist: Twist,
+    leg: Leg,
+    allowed_overlap: int,
+    on_the_spot: bool,
+    prune: bool,
+    choices: Choices,
+) -> tuple[int, int]:
+    """Weigh what can be reached within one control period.
+
+    Args:
+        planner: The base.
+        distance_m: [h, w] of the window.
+        grid: Where the window lies.
+        pose: Where the robot believes to be.
+        twist: How it moves now.
+        leg: Where it is to go.
+        allowed_overlap: 0, or how many outline points may stay on marks (`overlap_at`).
+        on_the_spot: Whether a differential base is to turn only.
+        prune: Whether what cannot win may be left unfinished; the choice is the same.
+        choices: Written.
+
+    Returns:
+        The index of the chosen candidate, -1 when none is admissible; and how many candidates there are.
+    """
+    count = sample_candidates(planner, pose, twist, leg, on_the_spot, choices.candidates)
+    best = best_candidate(
+        choices.candidates[:count], pose, leg, allowed_overlap, distance_m, grid, planner.robot, planner.rollout,
+        planner.limits, planner.weights, prune, choices.costs[:count],
+    )  # fmt: skip
+    return best, count
+
+
 class Plan(NamedTuple):
     """What one control period decided."""
 
@@ -139,33 +259,31 @@ class Plan(NamedTuple):
     """[N] likewise."""
 
 
+def planner_for(config: DriveConfig, base: str, weights: DwaWeights | None = None) -> Planner:
+    """Return how the candidates of a base ("omni" or "differential") are weighed."""
+    limits = Limits(
+        config.max_forward_mps,
+        config.max_sideways_mps,
+        config.max_turn_radps,
+        config.acceleration_mps2,
+        config.turn_acceleration_radps2,
+        config.tick_s,
+    )
+    omni = base == "omni"
+    rollout = Rollout(config.horizon_s, config.rollout_poses, config.inflation_m, not omni)
+    return Planner(omni, robot_footprint(), limits, rollout, Weights(*astuple(weights or DwaWeights())))
+
+
 class DynamicWindow:
     """Plans one control period after another for one base."""
 
     def __init__(self, config: DriveConfig, base: str, weights: DwaWeights | None = None) -> None:
-        self.omni = base == "omni"
-        self.robot = robot_footprint()
-        self.limits = Limits(
-            config.max_forward_mps,
-            config.max_sideways_mps,
-            config.max_turn_radps,
-            config.acceleration_mps2,
-            config.turn_acceleration_radps2,
-            config.tick_s,
-        )
-        self.rollout = Rollout(config.horizon_s, config.rollout_poses, config.inflation_m, not self.omni)
-        self._weights = Weights(*astuple(weights or DwaWeights()))
-        samples = math.prod(OMNI_SAMPLES) if self.omni else math.prod(DIFFERENTIAL_SAMPLES)
-        self._candidates = np.zeros((samples, 3))
-        self._costs = np.zeros(samples)
+        self.planner = planner_for(config, base, weights)
+        self._choices = new_choices(self.planner.omni)
 
     def overlap_at(self, window: CostMap, pose: Pose) -> int:
         """Return how many outline points lie on marks at a pose."""
-        cos, sin = math.cos(pose.theta_rad), math.sin(pose.theta_rad)
-        if not touches(window.distance_m, window.grid, self.robot, pose.x_m, pose.y_m, cos, sin):
-            return 0
-        found = overlap(window.distance_m, window.grid, self.robot, pose.x_m, pose.y_m, cos, sin)
-        return max(int(found), 1)
+        return int(overlap_at(window.distance_m, window.grid, self.planner.robot, pose))
 
     def plan(
         self,
@@ -188,70 +306,22 @@ class DynamicWindow:
             on_the_spot: Whether a differential base is to turn only.
             whole: Whether every cost must be complete, for recording; the choice is the same.
         """
-        n = self._sample(pose, twist, leg, on_the_spot)
-        candidates, costs = self._candidates[:n], self._costs[:n]
-        best = best_candidate(
-            candidates,
-            pose,
-            leg,
-            allowed_overlap,
-            window.distance_m,
-            window.grid,
-            self.robot,
-            self.rollout,
-            self.limits,
-            self._weights,
-            not whole,
-            costs,
-        )
-        chosen = Twist(0.0, 0.0, 0.0) if best < 0 else self._command(pose, candidates[best])
-        return Plan(chosen, int(best), candidates, costs)
+        best, count = plan_period(
+            self.planner, window.distance_m, window.grid, pose, twist, leg, allowed_overlap, on_the_spot, not whole,
+            self._choices,
+        )  # fmt: skip
+        candidates, costs = self._choices.candidates[:count], self._choices.costs[:count]
+        command = (0.0, 0.0, 0.0) if best < 0 else command_of(self.planner, pose, candidates[best])
+        return Plan(Twist(*command), int(best), candidates, costs)
 
-    def _sample(self, pose: Pose, twist: Twist, leg: Leg, on_the_spot: bool) -> int:
-        """Fill the candidates and return how many there are."""
-        theta = pose.theta_rad
-        if not self.omni:
-            return int(
-                differential_window(
-                    twist.forward_mps, twist.turn_radps, theta, on_the_spot, self.limits, self._candidates
-                )
-            )
-        # While turning, a twist's velocity over the last period is the one half a turn ago (see _command).
-        before = theta - 0.5 * twist.turn_radps * self.limits.tick_s
-        cos, sin = math.cos(before), math.sin(before)
-        vx, vy = cos * twist.forward_mps - sin * twist.left_mps, sin * twist.forward_mps + cos * twist.left_mps
-        dx, dy = leg.target_x_m - pose.x_m, leg.target_y_m - pose.y_m
-        left_m = math.hypot(dx, dy)
-        if left_m < 1e-6:
-            dx, dy, left_m = cos, sin, 1.0
-        cap = self._turn_cap(left_m, math.hypot(vx, vy))
-        return int(
-            omni_window(vx, vy, twist.turn_radps, theta, dx / left_m, dy / left_m, cap, self.limits, self._candidates)
-        )
 
-    def _turn_cap(self, left_m: float, speed_mps: float) -> float:
-        """Return the fastest turn that can be braked by the time the target is reached."""
-        limits = self.limits
-        braking_s = speed_mps / limits.acceleration_mps2
-        arrival_s = max(left_m - 0.5 * speed_mps * braking_s, 0.0) / limits.forward_mps + braking_s
-        return limits.turn_acceleration_radps2 * arrival_s
-
-    def _command(self, pose: Pose, candidate: FloatArray) -> Twist:
-        """Return the twist that drives a candidate for one period.
-
-        An omnidirectional base turns away under its velocity: half the turn is taken back, so the chord is right.
-        """
-        vx, vy, turn = (float(v) for v in candidate)
-        theta = pose.theta_rad + (0.5 * turn * self.limits.tick_s if self.omni else 0.0)
-        cos, sin = math.cos(theta), math.sin(theta)
-        return Twist(cos * vx + sin * vy, -sin * vx + cos * vy if self.omni else 0.0, turn)
-
-    def rolled_out(self, pose: Pose, candidates: FloatArray) -> NDArray[np.float32]:
-        """Return the positions [N, T, 2] of candidates [N, 3] over the horizon, in the map frame."""
-        times = np.arange(1, self.rollout.poses + 1) * (self.rollout.horizon_s / self.rollout.poses)
-        half = 0.5 * candidates[:, 2:3] * times if self.rollout.curved else np.zeros((len(candidates), len(times)))
-        chord = times * np.sinc(half / np.pi)
-        vx, vy = candidates[:, 0:1], candidates[:, 1:2]
-        x = pose.x_m + (np.cos(half) * vx - np.sin(half) * vy) * chord
-        y = pose.y_m + (np.sin(half) * vx + np.cos(half) * vy) * chord
-        return np.stack([x, y], axis=-1).astype(np.float32)
+def rolled_out(planner: Planner, pose: Pose, candidates: FloatArray) -> NDArray[np.float32]:
+    """Return the positions [N, T, 2] of candidates [N, 3] over the horizon, in the map frame."""
+    rollout = planner.rollout
+    times = np.arange(1, rollout.poses + 1) * (rollout.horizon_s / rollout.poses)
+    half = 0.5 * candidates[:, 2:3] * times if rollout.curved else np.zeros((len(candidates), len(times)))
+    chord = times * np.sinc(half / np.pi)
+    vx, vy = candidates[:, 0:1], candidates[:, 1:2]
+    x = pose.x_m + (np.cos(half) * vx - np.sin(half) * vy) * chord
+    y = pose.y_m + (np.sin(half) * vx + np.cos(half) * vy) * chord
+    return np.stack([x, y], axis=-1).astype(np.float32)

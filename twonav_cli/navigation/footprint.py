@@ -23,9 +23,11 @@ OUTLINE_SPACING_M = 0.01
 INNER_SPACING_M = 0.02
 """Points of the rings inside: less than a cell of the window (ours)."""
 
-RING_MARGINS_M = (0.005, -0.035, -0.075)
-"""The outline is grown a little because of the spacing; the rings inside it find a lone map pixel of 5 cm that no point
-of the outline is on (ours)."""
+OUTLINE_MARGIN_M = 0.005
+"""The controller's outline is grown a little because of the spacing (ours)."""
+
+RING_DEPTHS_M = (0.0, 0.04, 0.08)
+"""The rings inside the outline find a lone map pixel of 5 cm that no point of the outline is on (ours)."""
 
 
 class WindowGrid(NamedTuple):
@@ -65,12 +67,12 @@ def ring_points(outline_m: FloatArray, spacing_m: float) -> FloatArray:
     return np.concatenate(parts).astype(np.float64)
 
 
-def robot_footprint() -> Footprint:
-    """Return the rings of the robot (config.ROBOT_FOOTPRINT_M)."""
+def robot_footprint(grown_m: float = OUTLINE_MARGIN_M) -> Footprint:
+    """Return the rings of the robot (config.ROBOT_FOOTPRINT_M), its outline grown by a margin."""
     outline = np.array(ROBOT_FOOTPRINT_M)
     outer, inner, innermost = (
-        ring_points(grown_outline(outline, margin), INNER_SPACING_M if i else OUTLINE_SPACING_M)
-        for i, margin in enumerate(RING_MARGINS_M)
+        ring_points(grown_outline(outline, grown_m - depth_m), INNER_SPACING_M if depth_m else OUTLINE_SPACING_M)
+        for depth_m in RING_DEPTHS_M
     )
     radii = np.linalg.norm(outer, axis=1)
     return Footprint((outer, inner, innermost), float(radii.min()), float(radii.max()))

@@ -22,6 +22,7 @@ from twonav_cli.scene.camera import Camera
 from twonav_cli.scene.laser import RangeFinder
 from twonav_cli.scene.robot_body import RobotBody
 from twonav_cli.scene.world import World
+from twonav_cli.stages.cell_places import beyond, nearest_free_cells
 from twonav_cli.stages.localize import STILL, Image, Localize, Located
 from twonav_cli.stages.stage import ActionResult, Observation
 
@@ -68,7 +69,7 @@ class Sim3dStage:
         self._driver = CellDriver(self.options.drive, self.options.base, floor.map.occupied, floor.map.frame)
         self._headings = {floor.maze.starts[name]: pose.theta_rad for name, pose in floor.scene.starts.items()}
         self._placing = stream(seed, "placing")
-        self._snap = _nearest_free_cells(floor.maze)
+        self._snap = nearest_free_cells(floor.maze)
         self._believed = self.world.pose()
 
     @property
@@ -135,7 +136,7 @@ class Sim3dStage:
     def act(self, action: int, clock: Clock, sink: Sink) -> ActionResult:
         """Drive to the neighbouring cell, or try to, and look."""
         here = self._snap[self.frame.cell_at(self._believed.x_m, self._believed.y_m)]
-        target = self._beyond(here, action)
+        target = beyond(self.frame, here, action)
 
         def on_tick(believed: Pose, scan_m: FloatArray, trace: DriveTrace | None) -> None:
             image = self.camera.image() if self.options.image_every_tick else None
@@ -146,13 +147,6 @@ class Sim3dStage:
         seen = self.look(relative_pose(self._believed, expected))
         return ActionResult(outcome, seen, _agree(expected, self._believed))
 
-    def _beyond(self, cell: Cell, action: int) -> tuple[float, float]:
-        """Return the centre of the neighbouring place, also where that is no free cell."""
-        x_m, y_m = self.frame.centre_of(cell)
-        edge_m = self.frame.resolution_m
-        dx, dy = ((0, 1), (0, -1), (-1, 0), (1, 0))[action]
-        return x_m + dx * edge_m, y_m + dy * edge_m
-
     def close(self) -> None:
         """Give back the renderer."""
         self.camera.close()
@@ -162,14 +156,3 @@ def _agree(expected: Pose, estimate: Pose) -> bool:
     """Return whether an estimate is where odometry says that the robot has driven to."""
     turned_rad = abs(wrap_angle(estimate.theta_rad - expected.theta_rad))
     return distance_m(expected, estimate) < AGREE_M and turned_rad < AGREE_RAD
-
-
-def _nearest_free_cells(maze: Maze) -> dict[Cell, Cell]:
-    """Return for every cell the free cell nearest to it: an estimate in a wall means the floor beside it."""
-    free = np.argwhere(~maze.blocked)
-    nearest: dict[Cell, Cell] = {}
-    for row in range(maze.rows):
-        for col in range(maze.cols):
-            away = ((free - (row, col)) ** 2).sum(axis=1)
-            nearest[Cell(row, col)] = Cell(*(int(i) for i in free[int(away.argmin())]))
-    return nearest
