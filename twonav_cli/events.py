@@ -46,7 +46,7 @@ class RunStarted(Event):
     command: str
     """"play", "train" or "evaluate"."""
     stage: str
-    """"map", "maze", "3d" or "localizer"."""
+    """"map", "maze", "2d", "3d" or "localizer"."""
     scene: str
     seed: int
     settings: dict[str, str] = field(default_factory=dict)

@@ -89,19 +89,19 @@ def test_a_missing_checkpoint_is_answered_with_the_command_that_makes_it(places:
 @pytest.mark.parametrize(("source", "option"), [("geometry", " --map-from geometry"), ("survey", "")])
 def test_the_command_makes_it_on_the_map_that_is_in_use(floor: Floor, source: str, option: str) -> None:
     floor = replace(floor, map_source=source)
-    for stage in ("maze", "3d"):
+    for stage in ("maze", "2d", "3d"):
         with pytest.raises(TwonavError, match=f"`twonav train --stage maze --scene kitchen{option}`"):
             load_agent(floor, stage)
     with pytest.raises(TwonavError, match=f"`twonav train --stage localizer --scene kitchen{option}`"):
         load_localize(floor)
 
 
-def test_3d_takes_its_own_agent_else_that_of_the_maze(places: tuple[Path, Path], floor: Floor) -> None:
-    put_agent(places[0] / "kitchen" / "maze", floor, 1.0)
-    assert load_agent(floor, "3d").q.max() == 1.0
-    put_agent(places[0] / "kitchen" / "3d", floor, 3.0)
-    assert load_agent(floor, "3d").q.max() == 3.0
-    assert load_agent(floor, "maze").q.max() == 1.0
+def test_a_stage_takes_its_own_agent_else_that_of_the_nearest_stage_before(
+    places: tuple[Path, Path], floor: Floor
+) -> None:
+    for stage, value, expected in (("maze", 1.0, (1, 1, 1)), ("2d", 2.0, (1, 2, 2)), ("3d", 3.0, (1, 2, 3))):
+        put_agent(places[0] / "kitchen" / stage, floor, value)
+        assert tuple(load_agent(floor, name).q.max() for name in ("maze", "2d", "3d")) == expected
 
 
 def test_the_settings_are_those_of_the_stage_that_is_played(places: tuple[Path, Path], floor: Floor) -> None:

@@ -161,5 +161,5 @@ def test_a_path_that_cannot_be_written_is_refused_in_one_line(tmp_path: Path, na
 
 
 def test_an_unknown_kind_lists_the_right_ones(tmp_path: Path) -> None:
-    with pytest.raises(TwonavError, match="maze, 3d, localizer"):
+    with pytest.raises(TwonavError, match="maze, 2d, 3d, localizer"):
         Recorder(tmp_path / "run.rrd", "3D-stage")

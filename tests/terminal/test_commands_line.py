@@ -13,41 +13,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from room_texts import ROOM, TWO_GOALS
 
 from twonav_cli.paths import checkpoints_dir
 
 if TYPE_CHECKING:
     from command_line import Twonav
 
-pytest_plugins = ("command_line",)
+pytest_plugins = ("command_line", "small_room")
 
-ROOM = """
-<mujoco model="room">
-  <worldbody>
-    <geom name="floor" type="plane" size="0 0 1"/>
-    <geom name="right" type="box" size="0.05 1.6 0.5" pos="2.05 0 0.5"/>
-    <geom name="left" type="box" size="0.05 1.6 0.5" pos="-2.05 0 0.5"/>
-    <geom name="up" type="box" size="2.1 0.05 0.5" pos="0 1.55 0.5"/>
-    <geom name="down" type="box" size="2.1 0.05 0.5" pos="0 -1.55 0.5"/>
-    {sites}
-  </worldbody>
-  <custom><numeric name="twonav.map" data="-2.4 -1.6 2.4 1.6"/></custom>
-</mujoco>
-"""
-TWO_GOALS = '<site name="goal/east" pos="1.4 0.2 0"/><site name="goal/west" pos="-1.4 0.2 0"/>'
 GOAL_IN_WALL = '<site name="goal/east" pos="2.05 0.2 0"/><site name="start/a" pos="-1.4 0.2 0"/>'
-
-
-@pytest.fixture
-def room(tmp_path: Path) -> Callable[[str], Path]:
-    """Return a function that writes a scene of one room with the given sites."""
-
-    def write(sites: str) -> Path:
-        path = tmp_path / "room.xml"
-        path.write_text(ROOM.format(sites=sites))
-        return path
-
-    return write
 
 
 @pytest.fixture
@@ -126,11 +101,6 @@ def test_a_wrong_name_is_answered_with_the_nearest_and_all_others(
     complaint = twonav(*arguments).complaint
     assert f"did you mean '{nearest}'" in complaint
     assert re.search(rf"Known: .*\b{also}\b", complaint)
-
-
-@pytest.mark.parametrize("command", [["play", "--goal", "bed"], ["train"], ["evaluate"]])
-def test_the_2d_simulator_is_not_there_yet(twonav: Twonav, command: list[str]) -> None:
-    assert "the 2D simulator is not there yet" in twonav(*command, "--stage", "2d").complaint
 
 
 def test_play_without_a_terminal_needs_a_goal(twonav: Twonav) -> None:

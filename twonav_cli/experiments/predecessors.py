@@ -22,13 +22,14 @@ if TYPE_CHECKING:
     from twonav_cli.mapping.floor import Floor
     from twonav_cli.stages.localize import Image, Localize
     from twonav_cli.stages.maze_stage import MazeStage
+    from twonav_cli.stages.sim2d_stage import Sim2dOptions, Sim2dStage
     from twonav_cli.stages.sim3d_stage import Sim3dOptions, Sim3dStage
 
 OURS = "belief"
 """Our own network, as `localizer.networks` names it."""
 
-STAGE_BEFORE = {"3d": "maze"}
-"""The stage whose agent a stage goes on from (2d comes between them once it exists)."""
+STAGE_BEFORE = {"2d": "maze", "3d": "2d"}
+"""The stage whose agent a stage goes on from (§3.2)."""
 
 
 def checkpoint_folder(
@@ -44,7 +45,7 @@ def checkpoint_folder(
 
     Args:
         scene: Name of the scene.
-        name: "maze", "3d" or "localizer".
+        name: "maze", "2d", "3d" or "localizer".
         chosen: Folder of a scene's checkpoints that the user named; then only this one counts.
         own_first: Whether a run of the user's own goes before the shipped one (training does, playing does not).
         scene_digest: The scene it should be for: one that is for another scene of that name comes last.
@@ -89,7 +90,7 @@ def localizer_name(network: str | None) -> str:
 
 
 def load_agent(floor: Floor, stage: str, chosen: Path | None = None, own_first: bool = False) -> Agent:
-    """Load the agent that knows most about a stage: its own, else that of the stage before.
+    """Load the agent that knows most about a stage: its own, else that of the nearest stage before which there is one.
 
     The learning settings are those of `stage`, whichever agent it is. What the agent of either stage experienced stays
     known for `Agent.add_goal`.
@@ -104,19 +105,28 @@ def load_agent(floor: Floor, stage: str, chosen: Path | None = None, own_first: 
         scene, digest = floor.scene, floor.map.digest
         return checkpoint_folder(scene.name, name, chosen, own_first, scene.digest, digest, floor.map_source)
 
-    digests, before = (floor.scene.digest, floor.map.digest), STAGE_BEFORE.get(stage)
-    try:
-        folder = folder_of(stage)
-    except TwonavError:
-        if before is None:
-            raise
-        return Agent.load(folder_of(before), *digests, learning_preset(stage))
+    digests = floor.scene.digest, floor.map.digest
+    found, missing = stage, None
+    while True:
+        try:
+            folder = folder_of(found)
+            break
+        except TwonavError as error:
+            # The message is about the first stage of all: there training begins.
+            missing = error
+            if found not in STAGE_BEFORE:
+                raise missing from None
+            found = STAGE_BEFORE[found]
     agent = Agent.load(folder, *digests, learning_preset(stage))
+    if found != stage:
+        return agent
     agent.earlier_here, agent.earlier_elsewhere = agent.earlier_elsewhere, agent.earlier_here
-    if before is not None:
+    before = STAGE_BEFORE.get(stage)
+    while before is not None and len(agent.earlier_elsewhere) == 0:
         # Without it the agent only knows less for a new goal, so nothing that is wrong with it stops the stage.
         with contextlib.suppress(TwonavError):
             agent.earlier_elsewhere = Agent.load(folder_of(before), *digests).replay
+        before = STAGE_BEFORE.get(before)
     return agent
 
 
@@ -177,9 +187,9 @@ def free_floor(floor: Floor) -> FreeFloor:
 
 
 def make_stage(
-    floor: Floor, name: str, localize: Localize | None, seed: int, options: Sim3dOptions | None = None
-) -> MazeStage | Sim3dStage:
-    """Return a stage by name; `localize` None takes the simulator's truth.
+    floor: Floor, name: str, localize: Localize | None, seed: int, options: Sim2dOptions | Sim3dOptions | None = None
+) -> MazeStage | Sim2dStage | Sim3dStage:
+    """Return a stage by name; `localize` None takes the simulator's truth, `options` are those of the stage.
 
     Raises:
         TwonavError: No renderer, or the scene cannot be simulated.
@@ -188,6 +198,10 @@ def make_stage(
         from twonav_cli.stages.maze_stage import MazeStage
 
         return MazeStage(floor.maze)
-    from twonav_cli.stages.sim3d_stage import Sim3dStage
+    if name == "2d":
+        from twonav_cli.stages.sim2d_stage import Sim2dOptions, Sim2dStage
 
-    return Sim3dStage(floor, localize, seed, options)
+        return Sim2dStage(floor, seed, options if isinstance(options, Sim2dOptions) else None)
+    from twonav_cli.stages.sim3d_stage import Sim3dOptions, Sim3dStage
+
+    return Sim3dStage(floor, localize, seed, options if isinstance(options, Sim3dOptions) else None)

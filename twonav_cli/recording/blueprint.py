@@ -61,22 +61,24 @@ def _trials_tab(timeline: str) -> rrb.DataframeView:
     return rrb.DataframeView(origin="/trials", name="Trials", query=query)
 
 
-def drive_blueprint(goals: list[str], frame: GridFrame, replay: Replay | None) -> rrb.Blueprint:
-    """Lay out a run in the 3D stage.
+def drive_blueprint(goals: list[str], frame: GridFrame, replay: Replay | None, *, camera: bool = True) -> rrb.Blueprint:
+    """Lay out a run in which a robot drives.
 
     Args:
         goals: Names of the goals.
         frame: Where the floor plan lies.
         replay: What to mark; None while the run goes on. The cursor opens on the end: there every failure is
             on the map and in the log (the layout cannot place the cursor elsewhere).
+        camera: Whether the robot has one, and so has to estimate where it is.
     """
+    seen = [views.camera()] if camera else []
     left = rrb.Vertical(
         views.map_view(frame, "Map: is (blue), believes (magenta), last look (orange), what its picture says (violet)"),
         views.states(),
         row_shares=[7, 2],
     )
     right = rrb.Vertical(
-        rrb.Horizontal(views.camera(), views.errors(), column_shares=[1, 1]),
+        rrb.Horizontal(*seen, views.errors(), column_shares=[1] * (len(seen) + 1)),
         views.log(["trial", "sim_time"]),
         row_shares=[1, 1],
     )
@@ -88,7 +90,7 @@ def drive_blueprint(goals: list[str], frame: GridFrame, replay: Replay | None) -
         visual_bounds=rrb.VisualBounds2D(x_range=[-1.6, 1.6], y_range=[-1.6, 1.6]),
         background=views.DARK,
     )
-    beside = rrb.Vertical(views.camera(), views.errors())
+    beside = rrb.Vertical(*seen, views.errors())
     controller = rrb.Horizontal(near, beside, column_shares=[3, 2], name="Controller")
     selection = (
         blueprint_components.AbsoluteTimeRange(round(replay.start_s * 1e9), round(replay.end_s * 1e9))
@@ -98,7 +100,7 @@ def drive_blueprint(goals: list[str], frame: GridFrame, replay: Replay | None) -
     time = rrb.TimePanel(timeline="sim_time", state="collapsed", play_state="following", time_selection=selection)
     tabs = rrb.Tabs(
         drive,
-        _belief_tab(frame),
+        *([_belief_tab(frame)] if camera else []),
         _q_tab(goals, frame),
         views.td_grid(goals, frame, 4),
         _learning_tab(),

@@ -44,6 +44,30 @@ _DRIVE = """
 * **Trials**: the last trials as a table; for programs every one is a row of `/trials`.
 """
 
+_FLAT = """
+## What went wrong, and why
+The robot is its outline on the 5 cm map, driven by the same controller as in 3D. It knows where it is after every
+action; within one it trusts odometry.
+1. The recording opens on the end of the run: every failure is on the map and in the log, with its **cause** and the
+   **evidence**. The marked stretch of the time line is the last failure; space plays, the arrow keys step.
+2. The lanes under the map show goal, outcome and cause of every trial. Click into a lane to go there.
+3. **Controller** shows why an action ended blocked: candidate motions (dark is cheap, red would touch), the chosen one
+   in black, and the local cost map. In tight corners every candidate that turns or leads on may be red.
+
+## The map (metres, y up; row 0 of the maze is the top)
+| colour | what |
+|---|---|
+| blue arrow, outline | where the robot is |
+| magenta arrow | where the controller believes it is: odometry since the action began |
+| red line | the error between is and believes |
+| light blue line | way of this trial |
+| orange dots | range finder |
+| black circle | the goal of this trial |
+
+The other tabs are those of every learning run: **Q-values**, **TD errors**, **Learning**, **Trials**. Training writes
+the actions only; playing and `twonav evaluate --record` every control period.
+"""
+
 _MAZE = """
 ## How to read it
 1. **Story** answers which goal was trained when, and why that one. Each goal has a lane: waiting, current, learned. A
@@ -112,7 +136,7 @@ def about(event: RunStarted, kind: str) -> str:
     """Return the text of the "About" tab in Markdown."""
     settings = "\n".join(f"| {name} | {value} |" for name, value in event.settings.items())
     table = f"\n## Settings\n| setting | value |\n|---|---|\n{settings}\n" if settings else ""
-    body = {"3d": _DRIVE, "maze": _MAZE, "localizer": _FIT, "map": _MAP}[kind]
+    body = {"2d": _FLAT, "3d": _DRIVE, "maze": _MAZE, "localizer": _FIT, "map": _MAP}[kind]
     timelines = (
         ""
         if kind in ("localizer", "map")

@@ -65,7 +65,7 @@ class Summary:
 
     path: Path
     kind: str
-    """"map", "maze", "3d" or "localizer"."""
+    """"map", "maze", "2d", "3d" or "localizer"."""
     command: str
     scene: str
     stage: str
@@ -102,7 +102,7 @@ class Summary:
 
 def how_to_seek(row: TrialRow, kind: str) -> str:
     """Return the sentence that says where in the viewer a trial is."""
-    if kind == "3d":
+    if kind in ("2d", "3d"):
         return f"timeline sim_time, +{row.start_s:.1f} s to +{row.end_s:.1f} s"
     return f"timeline trial, #{row.number} (step #{row.first_step} to #{row.last_step})"
 

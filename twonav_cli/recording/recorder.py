@@ -35,11 +35,17 @@ from twonav_cli.recording.scenery import write_floor, write_goals, write_looks
 from twonav_cli.recording.snapshots import AT_ONCE, TableSnapshots
 from twonav_cli.recording.table_scenery import write_table_scenery
 
-APPLICATION_IDS = {"maze": "twonav_maze_2", "3d": "twonav_mujoco_3", "localizer": "twonav_fit", "map": "twonav_map"}
+APPLICATION_IDS = {
+    "maze": "twonav_maze_2", "2d": "twonav_flat", "3d": "twonav_mujoco_3", "localizer": "twonav_fit",
+    "map": "twonav_map",
+}  # fmt: skip
 """Stage to application id: one id, one layout, for the viewer keeps the layout of the first file of an id."""
 
 KIND_TIMELINES = {"localizer": FITTING_TIMELINES, "map": MAPPING_TIMELINES}
 """Kinds whose clock counts something else than actions and trials."""
+
+DRIVEN = ("2d", "3d")
+"""Kinds with a robot that drives."""
 
 FORMAT = 1
 STEPS_PER_SHIPMENT = 50
@@ -68,7 +74,7 @@ class Recorder:
 
         Args:
             path: Must end in .rrd; a file that is there is replaced.
-            kind: "map", "maze", "3d" or "localizer".
+            kind: "map", "maze", "2d", "3d" or "localizer".
             every_trial: Keep every trial in full; else failed ones, the first five and every twentieth.
             budget_mb: Size after which only one row per trial is written.
 
@@ -127,7 +133,7 @@ class Recorder:
         for finish in self._finish:
             finish()
         self._file.ship(self._rule.level(0, True, self._file.size_bytes))
-        if self._kind == "3d" and self._layout is not None:
+        if self._kind in DRIVEN and self._layout is not None:
             self._file.show(self._layout(self._replay))
         self._file.close()
 
@@ -200,8 +206,8 @@ class Recorder:
 
     def _layout_of(self, event: events.RunStarted, goals: GoalList, maze: Maze, frame: GridFrame) -> Layout:
         """Return what lays the recording out for the goals so far."""
-        if self._kind == "3d":
-            return lambda replay: drive_blueprint(goals.names, frame, replay)
+        if self._kind in DRIVEN:
+            return lambda replay: drive_blueprint(goals.names, frame, replay, camera=self._kind == "3d")
         top, learns = ACTIONS_SHOWN * longest_way(maze), event.command == "train"
         return lambda replay: maze_blueprint(goals.names, frame, top, learns=learns)
 

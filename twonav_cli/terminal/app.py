@@ -105,7 +105,7 @@ def play(
 
 @app.command()
 def train(
-    stage: Annotated[str, typer.Option("--stage", help="map, maze, frames, localizer or 3d.")],
+    stage: Annotated[str, typer.Option("--stage", help="map, maze, 2d, frames, localizer, 3d or all.")],
     scene: Annotated[
         str | None,
         typer.Option(
@@ -129,6 +129,9 @@ def train(
     ] = None,
     device: Annotated[str | None, typer.Option("--device", help="cpu, cuda or auto (localizer only).")] = None,
     base: TrainBaseOption = None,
+    no_transfer: Annotated[
+        bool, typer.Option("--no-transfer", help="Learn from nothing, not from the stage before (2d and 3d only).")
+    ] = False,
     map_from: MapFromOption = None,
     json_: JsonOption = False,
     watch: WatchOption = False,
@@ -142,15 +145,15 @@ def train(
     cooling: CoolingOption = None,
     random_maze: RandomMazeOption = None,
 ) -> None:
-    """Train one stage: let the robot make the map; the maze agent; the localizer; the agent in 3D with its poses."""
+    """Train one stage, or all: the robot makes its map; the agent learns in the maze, in 2D, in 3D by its camera."""
     from twonav_cli.terminal.learning_choices import LearningChoices
     from twonav_cli.terminal.train import TrainRequest, run_train
 
     choices = LearningChoices(learner, preset, discount, temperature, initial_q, goal_selection, exploration, cooling)
     request = TrainRequest(
         stage=stage, scene=scene, seed=seed, resume=resume, out=out, record=record, recording=not no_record,
-        quick=quick, images=images, network=network, device=device, base=base, as_json=json_, watch=watch,
-        random_maze=random_maze, map_from=map_from, choices=choices,
+        quick=quick, images=images, network=network, device=device, base=base, transfer=not no_transfer, as_json=json_,
+        watch=watch, random_maze=random_maze, map_from=map_from, choices=choices,
     )  # fmt: skip
     raise typer.Exit(run_train(request))
 
@@ -183,7 +186,7 @@ def map_log(
 
 @app.command()
 def evaluate(
-    stage: Annotated[str, typer.Option("--stage", help="3d, maze or localizer.")] = "3d",
+    stage: Annotated[str, typer.Option("--stage", help="3d, 2d, maze or localizer.")] = "3d",
     localizer: LocalizerOption = "raw",
     scene: SceneOption = "apartment",
     seed: SeedOption = 0,

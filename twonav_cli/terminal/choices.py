@@ -5,17 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from twonav_cli.config import BASES
-from twonav_cli.errors import TwonavError, unknown_name
+from twonav_cli.errors import unknown_name
 
 LOCALIZERS = ("filtered", "raw", "truth")
 """Where the 3D stage has its pose from: the camera fused with odometry, each picture alone, or the simulator."""
 
 
-def check_choices(command: str, stage: str, stages: Sequence[str], localizer: str = "raw", base: str = "omni") -> None:
+def check_choices(stage: str, stages: Sequence[str], localizer: str = "raw", base: str = "omni") -> None:
     """Refuse a stage, localizer or base that there is not.
 
     Args:
-        command: "play", "train" or "evaluate", for the message.
         stage: What was asked for.
         stages: What the command knows.
         localizer: What was asked for.
@@ -24,9 +23,6 @@ def check_choices(command: str, stage: str, stages: Sequence[str], localizer: st
     Raises:
         TwonavError: Names the right ones.
     """
-    if stage == "2d":
-        known = f"{', '.join(stages[:-1])} or {stages[-1]}"
-        raise TwonavError(f"the 2D simulator is not there yet: {command} --stage {known}")
     for kind, name, right in (("stage", stage, stages), ("localizer", localizer, LOCALIZERS), ("base", base, BASES)):
         if name not in right:
             raise unknown_name(kind, name, right)

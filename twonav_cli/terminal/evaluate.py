@@ -23,7 +23,7 @@ from twonav_cli.terminal.map_source import tell_source
 if TYPE_CHECKING:
     from twonav_cli.experiments.evaluation import PairResult, PairTable
 
-STAGES = ("maze", "3d", "localizer")
+STAGES = ("maze", "2d", "3d", "localizer")
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ OF_LOCALIZER = ("network", "frames", "track_frames", "kidnap_frames")
 
 def run_evaluate(request: EvaluateRequest) -> int:
     """Measure and print; returns 0, or 130 when interrupted (the pairs that were driven are printed)."""
-    check_choices("evaluate", request.stage, STAGES, request.localizer, request.base)
+    check_choices(request.stage, STAGES, request.localizer, request.base)
     _check_options(request)
     floor = read_floor(request.scene, request.map_from, chosen=request.checkpoints)
     if request.stage == "localizer":
@@ -133,11 +133,16 @@ def _pairs(request: EvaluateRequest, floor: Floor, should_stop: Callable[[], boo
 
 
 def _options(request: EvaluateRequest) -> Any:
-    if request.stage != "3d":
+    if request.stage == "maze":
         return None
+    watched = request.record is not None
+    if request.stage == "2d":
+        from twonav_cli.stages.sim2d_stage import Sim2dOptions
+
+        return Sim2dOptions(base=request.base, ticks=watched, trace=watched)
     from twonav_cli.stages.sim3d_stage import Sim3dOptions
 
-    return Sim3dOptions(base=request.base, trace=request.record is not None)
+    return Sim3dOptions(base=request.base, trace=watched)
 
 
 def _localizer_report(request: EvaluateRequest, floor: Floor, should_stop: Callable[[], bool]) -> dict[str, Any]:

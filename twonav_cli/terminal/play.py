@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 from twonav_cli.errors import TwonavError, unknown_name
 from twonav_cli.events import Clock, Looked, Note, RunEnded, RunStarted, Sink, to_all
-from twonav_cli.stages.maze_stage import MazeStage
 from twonav_cli.terminal.choices import check_choices
 from twonav_cli.terminal.commands import Command
 from twonav_cli.terminal.console import screen_possible
@@ -23,10 +22,11 @@ if TYPE_CHECKING:
     from twonav_cli.experiments.journey import Wishes
     from twonav_cli.grid import Cell
     from twonav_cli.mapping.floor import Floor
+    from twonav_cli.stages.sim2d_stage import Sim2dOptions
     from twonav_cli.stages.sim3d_stage import Sim3dOptions
     from twonav_cli.stages.stage import Stage
 
-STAGES = ("maze", "3d")
+STAGES = ("maze", "2d", "3d")
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class PlayRequest:
 
 def run_play(request: PlayRequest) -> int:
     """Play; returns 0 when every goal was reached, else 1."""
-    check_choices("play", request.stage, STAGES, request.localizer, request.base)
+    check_choices(request.stage, STAGES, request.localizer, request.base)
     path = _recording_path(request) if request.recording else None
     if not request.plain and screen_possible():
         from twonav_cli.terminal.screen.play_screen import run_screen
@@ -124,13 +124,14 @@ def _drive(request: PlayRequest, sink: Sink, wishes: Wishes, path: Path | None, 
 def _make_stage(request: PlayRequest, floor: Floor, start: Cell, sink: Sink) -> Stage:
     """Return the stage; in 3D the first picture leaves before the localizer, which is slow to load, is there."""
     from twonav_cli.experiments.predecessors import checkpoint_folder, load_localize, make_stage
+    from twonav_cli.stages.sim3d_stage import Sim3dStage
 
     uses_camera = request.localizer != "truth"
     if request.stage == "3d" and uses_camera:
         # Known to be there before anything is built.
         checkpoint_folder(floor.scene.name, "localizer", request.checkpoints, map_source=floor.map_source)
     stage = make_stage(floor, request.stage, None, request.seed, _options(request))
-    if isinstance(stage, MazeStage):
+    if not isinstance(stage, Sim3dStage):
         return stage
     sink(Looked(Clock(), *stage.picture(start)))
     if uses_camera:
@@ -139,15 +140,21 @@ def _make_stage(request: PlayRequest, floor: Floor, start: Cell, sink: Sink) -> 
     return stage
 
 
-def _options(request: PlayRequest) -> Sim3dOptions | None:
-    if request.stage != "3d":
+def _options(request: PlayRequest) -> Sim2dOptions | Sim3dOptions | None:
+    if request.stage == "maze":
         return None
+    if request.stage == "2d":
+        from twonav_cli.stages.sim2d_stage import Sim2dOptions
+
+        return Sim2dOptions(base=request.base, ticks=not request.quiet, trace=request.recording)
     from twonav_cli.stages.sim3d_stage import Sim3dOptions
 
     return Sim3dOptions(base=request.base, image_every_tick=not request.quiet, trace=request.recording)
 
 
 def _settings(request: PlayRequest) -> dict[str, str]:
+    if request.stage == "2d":
+        return {"base": request.base}
     return {"localizer": request.localizer, "base": request.base} if request.stage == "3d" else {}
 
 

@@ -24,7 +24,7 @@ def recording(path: Path | None, stage: str, begun: RunStarted, every_trial: boo
 
     Args:
         path: Where it goes, or None.
-        stage: "maze", "3d" or "localizer".
+        stage: "maze", "2d", "3d" or "localizer".
         begun: The event that opens the run.
         every_trial: Keep every trial in full detail (playing), not only some (training).
     """

@@ -23,8 +23,8 @@ from twonav_cli.terminal.map_source import tell_source
 if TYPE_CHECKING:
     from twonav_cli.terminal.learning_place import LearningPlace
 
-STAGES = ("map", "maze", "frames", "localizer", "3d")
-DRIVEN = ("map", "3d")
+STAGES = ("map", "maze", "2d", "frames", "localizer", "3d", "all")
+DRIVEN = ("map", "2d", "3d", "all")
 """Stages in which a robot with a base drives."""
 OF_LOCALIZER = ("network", "images", "device")
 """Options that only the localizer's stage looks at."""
@@ -50,6 +50,7 @@ class TrainRequest:
     network: str | None = None
     device: str | None = None
     base: str | None = None
+    transfer: bool = True
     as_json: bool = False
     watch: bool = False
     random_maze: int | None = None
@@ -70,6 +71,7 @@ class TrainRequest:
             parts += [] if given is None else [f"--{name}", str(given)]
         if self.stage in DRIVEN:
             parts += ["--base", self.base or USUAL_BASE]
+        parts += [] if self.transfer else ["--no-transfer"]
         parts += [] if self.map_from is None else ["--map-from", self.map_from]
         parts += self.choices.arguments()
         return shlex.join(parts + (["--quick"] if self.quick else []))
@@ -86,16 +88,19 @@ class TrainRequest:
         Raises:
             TwonavError: Says what to leave out or to name instead.
         """
-        check_choices("train", self.stage, STAGES, base=self.base or USUAL_BASE)
+        check_choices(self.stage, STAGES, base=self.base or USUAL_BASE)
         asked = [option_of(name) for name in self.choices.given()]
         asked += ["--random-maze"] * (self.random_maze is not None) + ["--watch"] * self.watch
         if asked and self.stage != "maze":
             raise TwonavError(f"{asked[0]} is for --stage maze only: leave it out, or train the maze")
         for name in OF_LOCALIZER:
-            if getattr(self, name) is not None and self.stage != "localizer":
+            if getattr(self, name) is not None and self.stage not in ("localizer", "all"):
                 raise TwonavError(f"--{name} is for --stage localizer only: leave it out, or train the localizer")
         if self.base is not None and self.stage not in DRIVEN:
-            raise TwonavError("--base is for --stage map and --stage 3d only: leave it out, or name one of them")
+            raise TwonavError("--base is for --stage map, 2d and 3d only: leave it out, or name one of them")
+        if not self.transfer and self.stage not in ("2d", "3d"):
+            raise TwonavError("--no-transfer is for --stage 2d and 3d only: the stages before them begin from nothing")
+        self._check_all()
         if self.stage == "map" and (self.resume or self.map_from is not None):
             wrong = "--resume" if self.resume else "--map-from"
             raise TwonavError(f"{wrong} is not for --stage map: leave it out, a survey begins anew and takes a minute")
@@ -116,6 +121,17 @@ class TrainRequest:
             raise TwonavError(f"{option} is not for --stage frames: leave it out, frames go to the runs folder")
         self.choices.check()
 
+    def _check_all(self) -> None:
+        """Refuse what cannot be asked of several stages at once.
+
+        Raises:
+            TwonavError: Says what to leave out.
+        """
+        asked = {"--out": self.out, "--record": self.record, "--network": self.network, "--resume": self.resume or None}
+        for option, given in asked.items():
+            if self.stage == "all" and given is not None:
+                raise TwonavError(f"{option} is not for --stage all: leave it out, what is there already is kept")
+
 
 def run_train(request: TrainRequest) -> int:
     """Train a stage; returns 0 when it finished, 130 when it was interrupted and saved, 1 when it did not learn.
@@ -124,6 +140,10 @@ def run_train(request: TrainRequest) -> int:
         TwonavError: What is asked for cannot be, or something that it needs is missing or damaged.
     """
     request.check()
+    if request.stage == "all":
+        from twonav_cli.terminal.train_all import run_all
+
+        return run_all(request)
     saying = "stopping: a survey is kept only when it is over" if request.stage == "map" else "stopping: saving first"
     with StopOnInterrupt(saying) as stop:
         folder, outcome, metrics = _trained(request, stop)
@@ -136,6 +156,7 @@ def _trained(request: TrainRequest, stop: StopOnInterrupt) -> tuple[Path, str, d
     from twonav_cli.terminal.learning_place import place_of_random_maze
 
     name = localizer_name(request.network) if request.stage == "localizer" else request.stage
+    name += "" if request.transfer else "-no-transfer"
     name += "-quick" if request.quick else ""
     if request.stage == "map":
         from twonav_cli.scene.catalog import read_scene
@@ -178,9 +199,9 @@ def _trained_on_floor(request: TrainRequest, name: str, stop: StopOnInterrupt) -
 
         result = train_localizer(request, floor, folder, stop)
     else:
-        from twonav_cli.terminal.train_3d import train_3d
+        from twonav_cli.terminal.train_driven import train_driven
 
-        result = train_3d(request, floor, folder, stop)
+        result = train_driven(request, floor, folder, stop)
     tell_source(floor, request.scene_name, request.map_from)
     return folder, *result
 

@@ -20,7 +20,7 @@ WatchOption = Annotated[
     bool, typer.Option("--watch", help="Watch the agent learn, from one action a second up (maze only).")
 ]
 TrainBaseOption = Annotated[
-    str | None, typer.Option("--base", help="omni or differential (map and 3d).", show_default="omni")
+    str | None, typer.Option("--base", help="omni or differential (map, 2d and 3d).", show_default="omni")
 ]
 LearnerOption = Annotated[
     str | None,
