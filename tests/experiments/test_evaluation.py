@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from twonav_cli.experiments.evaluation import (
     PairTable,
     evaluate_pairs,
     figures,
+    pairs_of,
     success_weighted_path_length,
 )
 from twonav_cli.experiments.maze_learning import learn_maze
@@ -24,7 +26,7 @@ from twonav_cli.stages.maze_stage import MazeStage
 
 WON = PairResult("bed", "s1", True, "reached", 10, 8, "")
 DETOUR = PairResult("bed", "s2", True, "reached", 6, 3, "")
-LOST = PairResult("desk", "s1", False, "time-out", 500, 12, "loop", collisions=4)
+LOST = PairResult("desk", "s1", False, "time-out", 500, 12, "loop", collisions=4, wrong_cells=2, sim_s=645.0)
 AT_HOME = PairResult("desk", "s2", True, "reached", 0, 0, "")
 
 
@@ -46,10 +48,19 @@ def test_figures_compare_actions_and_shortest_ways_of_the_same_pairs() -> None:
         "successes": 2,
         "success_rate": pytest.approx(2 / 3),
         "actions_mean": 8.0,
+        "actions_std": None,
         "shortest_mean": 5.5,
         "ratio": pytest.approx(8.0 / 5.5),
         "spl": pytest.approx(1.3 / 3),
+        "collisions_per_100_actions": pytest.approx(400 / 516),
+        "wrong_cells_per_100_actions": pytest.approx(200 / 516),
+        "sim_s_per_action": pytest.approx(1.25),
     }
+
+
+def test_the_deviation_is_that_of_a_pair_from_repeat_to_repeat() -> None:
+    longer = [replace(WON, actions=14, repeat=1), replace(DETOUR, actions=6, repeat=1)]
+    assert figures([WON, DETOUR, *longer])["actions_std"] == pytest.approx((np.sqrt(8) + 0.0) / 2)
 
 
 @pytest.mark.parametrize("pairs", [[], [LOST], [AT_HOME]])
@@ -126,6 +137,13 @@ def test_a_pair_does_not_depend_on_the_pairs_before_it(maze: Maze) -> None:
     other = evaluate_pairs(MazeStage(maze), untrained, 6, to_nobody, lambda pair: None, never).pairs
     assert all_pairs == again
     assert all_pairs != other
+
+
+def test_every_pair_is_driven_as_often_as_asked_and_each_time_anew(maze: Maze) -> None:
+    untrained, pairs = Agent.for_maze(maze, learning_preset("maze")), pairs_of(maze, 3)
+    found = evaluate_pairs(MazeStage(maze), untrained, 5, to_nobody, lambda pair: None, never, pairs).pairs
+    assert [pair.repeat for pair in found] == [0] * 6 + [1] * 6 + [2] * 6
+    assert [pair.actions for pair in found[:6]] != [pair.actions for pair in found[6:12]]
 
 
 def test_an_evaluation_that_is_stopped_keeps_what_was_driven(maze: Maze, learned: Agent) -> None:

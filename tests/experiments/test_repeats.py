@@ -9,7 +9,8 @@ import pytest
 
 from twonav_cli.errors import TwonavError
 from twonav_cli.experiments.learning_run import LearningRun
-from twonav_cli.experiments.repeats import Item, StoppedError, first_of_each_learner, make_runs, processors
+from twonav_cli.experiments.repeats import Item, first_of_each_learner, make_runs
+from twonav_cli.experiments.worker_pool import StoppedError, processors
 from twonav_cli.learner.learners import learner_settings
 from twonav_cli.random_maze import random_maze
 

@@ -118,6 +118,34 @@ def test_an_action_that_ran_out_of_time_is_punished_like_a_bump_unless_it_enters
     assert agent.q[0, 4, Action.RIGHT, 0] == 100.0
 
 
+class WedgedStage(MistakenStage):
+    """A maze whose robot has a pose, and cannot move it."""
+
+    def act(self, action: int, clock: Clock, sink: Sink) -> ActionResult:
+        result = super().act(action, clock, sink)
+        return replace(result, observation=replace(result.observation, pose_true=Pose(1.0, 2.0, 0.0)))
+
+
+def test_a_robot_that_stays_where_it_is_for_ten_blocked_actions_is_stuck() -> None:
+    result = run(WedgedStage(CORRIDOR, {}, blocks=True), agent_that_goes(Action.RIGHT), Cell(0, 2), learn=True)
+    assert (result.outcome, result.cause) == ("time-out", "stuck")
+    assert "0.00 m" in result.evidence
+
+
+class JumpingStage(MazeStage):
+    """A maze in which every action to the right ends one cell too far."""
+
+    def act(self, action: int, clock: Clock, sink: Sink) -> ActionResult:
+        if action == Action.RIGHT:
+            super().act(action, clock, sink)
+        return super().act(action, clock, sink)
+
+
+def test_actions_that_end_in_another_cell_than_they_should_are_counted() -> None:
+    assert run(JumpingStage(CORRIDOR), agent_that_goes(Action.RIGHT), Cell(0, 1)).wrong_cells == 2
+    assert run(MazeStage(CORRIDOR), agent_that_goes(Action.RIGHT), Cell(0, 1)).wrong_cells == 0
+
+
 def test_a_robot_that_walks_to_and_fro_is_in_a_loop() -> None:
     agent = agent_that_goes(Action.LEFT)
     agent.q[0, 1, Action.RIGHT] = 95.0

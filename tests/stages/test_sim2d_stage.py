@@ -101,3 +101,15 @@ def test_a_cell_in_which_the_robot_fits_no_way_is_refused(floor: Floor) -> None:
 def made_of(map_: OccupancyMap, occupied: np.ndarray) -> OccupancyMap:
     """Return a map with other occupied pixels."""
     return replace(map_, pixels=np.where(occupied, np.uint8(0), map_.pixels))
+
+
+def test_a_trial_that_draws_from_its_own_stream_repeats_whatever_came_before(floor: Floor) -> None:
+    stage, cell, ways = Sim2dStage(floor, 0), open_cell(floor), []
+    for before in (0, 3):
+        stage.place(cell)
+        for _ in range(before):
+            stage.act(0, CLOCK, to_nobody)
+        stage.draw_from(np.random.default_rng(9))
+        stage.place(cell)
+        ways.append([stage.act(a, CLOCK, to_nobody).observation.pose_true for a in (0, 3, 1)])
+    assert ways[0] == ways[1]

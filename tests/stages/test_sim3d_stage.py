@@ -56,6 +56,9 @@ class Liar:
     def forget(self) -> None:
         self.told.append("forget")
 
+    def draw_from(self, rng: np.random.Generator) -> None:
+        self.told.append("draw")
+
 
 MakeLiar = Callable[[Callable[[Pose], Pose]], Sim3dStage]
 
@@ -250,3 +253,15 @@ def test_what_the_localizer_says_of_a_picture_is_seen(shared: Sim3dStage, floor:
         patch.setattr(shared, "localize", Sure(lambda: STILL))
         seen = shared.place(free_with_free_neighbours(floor))
     assert (seen.pose_estimate, seen.belief, seen.filtered) == (Pose(1.0, 2.0, 0.5), belief, filtered)
+
+
+def test_a_trial_that_draws_from_its_own_stream_repeats_whatever_came_before(stage: Sim3dStage, floor: Floor) -> None:
+    cell, ways = free_with_free_neighbours(floor), []
+    for before in (0, 2):
+        stage.place(cell)
+        for _ in range(before):
+            stage.act(0, CLOCK, to_nobody)
+        stage.draw_from(np.random.default_rng(9))
+        stage.place(cell)
+        ways.append([stage.act(a, CLOCK, to_nobody).observation.pose_true for a in (0, 3, 1)])
+    assert ways[0] == ways[1]

@@ -4,22 +4,46 @@ from __future__ import annotations
 
 import copy
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from twonav_cli.events import Clock, Sink
-from twonav_cli.experiments.trials import TrialResult, run_trial
+from twonav_cli.experiments.trials import run_trial
 from twonav_cli.learner.agent import Agent
+from twonav_cli.maze import Maze
 from twonav_cli.rng import stream
 from twonav_cli.stages.stage import Stage
 
 
 @dataclass(frozen=True)
+class Pair:
+    """One goal from one start: indices, and which repeat it is."""
+
+    goal: int
+    start: int
+    repeat: int = 0
+
+
+@dataclass(frozen=True)
 class PairResult:
-    """One goal from one start."""
+    """How one goal from one start went.
+
+    Attributes:
+        goal: Name.
+        start: Name.
+        success: Whether the agent declared arrival, and stood in the goal's cell.
+        outcome: "reached", "false-arrival" or "time-out".
+        actions: How many were taken.
+        shortest: Length of the shortest way in the maze.
+        cause: Why it failed, one of CAUSES; "" when it did not.
+        collisions: Control periods that ended at something.
+        wrong_cells: Actions after which the robot stood in another cell than it should have.
+        sim_s: Simulated time.
+        repeat: Which repeat it was.
+    """
 
     goal: str
     start: str
@@ -29,6 +53,9 @@ class PairResult:
     shortest: int
     cause: str
     collisions: int = 0
+    wrong_cells: int = 0
+    sim_s: float = 0.0
+    repeat: int = 0
 
 
 @dataclass
@@ -50,22 +77,37 @@ class PairTable:
 
 
 def figures(pairs: list[PairResult]) -> dict[str, Any]:
-    """Return success, actions, shortest ways, their ratio and SPL of some pairs.
+    """Return success, actions, shortest ways, their ratio, SPL and what went wrong on the way, of some pairs.
 
-    Actions and shortest ways are means over the successful pairs, so that their ratio compares like with like.
+    Actions and shortest ways are means over the successful pairs, so that their ratio compares like with like. The
+    deviation is that of the actions from one repeat to the next, averaged over the pairs; None with a single repeat.
     """
     won = [pair for pair in pairs if pair.success]
     actions = float(np.mean([pair.actions for pair in won])) if won else None
     shortest = float(np.mean([pair.shortest for pair in won])) if won else None
+    taken = sum(pair.actions for pair in pairs)
     return {
         "pairs": len(pairs),
         "successes": len(won),
         "success_rate": len(won) / len(pairs) if pairs else None,
         "actions_mean": actions,
+        "actions_std": _deviation_between_repeats(won),
         "shortest_mean": shortest,
         "ratio": actions / shortest if actions is not None and shortest else None,
         "spl": success_weighted_path_length(pairs),
+        "collisions_per_100_actions": 100 * sum(pair.collisions for pair in pairs) / taken if taken else None,
+        "wrong_cells_per_100_actions": 100 * sum(pair.wrong_cells for pair in pairs) / taken if taken else None,
+        "sim_s_per_action": sum(pair.sim_s for pair in pairs) / taken if taken else None,
     }
+
+
+def _deviation_between_repeats(won: list[PairResult]) -> float | None:
+    """Return the standard deviation of a pair's actions from repeat to repeat, averaged over the pairs."""
+    of_pair: dict[tuple[str, str], list[int]] = {}
+    for pair in won:
+        of_pair.setdefault((pair.goal, pair.start), []).append(pair.actions)
+    deviations = [float(np.std(actions, ddof=1)) for actions in of_pair.values() if len(actions) > 1]
+    return float(np.mean(deviations)) if deviations else None
 
 
 def success_weighted_path_length(pairs: Iterable[PairResult]) -> float | None:
@@ -76,6 +118,53 @@ def success_weighted_path_length(pairs: Iterable[PairResult]) -> float | None:
     return float(np.mean(terms)) if terms else None
 
 
+def pairs_of(maze: Maze, repeats: int = 1) -> list[Pair]:
+    """Return every goal from every start, as often as asked, repeat by repeat."""
+    return [
+        Pair(goal, start, repeat)
+        for repeat in range(repeats)
+        for goal in range(len(maze.goals))
+        for start in range(len(maze.starts))
+    ]
+
+
+def drive_pair(stage: Stage, agent: Agent, pair: Pair, seed: int, clock: Clock, sink: Sink) -> tuple[PairResult, Clock]:
+    """Drive one goal from one start, greedily, with what the agent knows now; return how it went, and when it ended.
+
+    On its way the agent keeps learning, as it does in play (a blocked way must lose its value, or a greedy agent stands
+    before it for ever); for the next pair it forgets that again. Actions and the world's noise are drawn from streams
+    of the pair's own, so that its result does not depend on what was driven before.
+
+    Args:
+        stage: Where to drive.
+        agent: Whose values are followed; unchanged afterwards.
+        pair: Which.
+        seed: Seed of the evaluation.
+        clock: When it begins.
+        sink: Consumer of events.
+    """
+    start, cell = list(stage.maze.starts.items())[pair.start]
+    numbers = (pair.goal, pair.start, pair.repeat)
+    stage.draw_from(stream(seed, "world of pair", *numbers))
+    touched, begun_s = getattr(stage, "collisions", 0), stage.time_s
+    rng = stream(seed, "explore pair", *numbers)
+    result = run_trial(stage, copy.deepcopy(agent), pair.goal, cell, rng, clock, sink, learn=True, explore=False)
+    ended = Clock(clock.trial + 1, clock.step + result.steps, stage.time_s)
+    return PairResult(
+        goal=agent.goal_names[pair.goal],
+        start=start,
+        success=result.outcome == "reached",
+        outcome=result.outcome,
+        actions=result.steps,
+        shortest=result.shortest,
+        cause=result.cause,
+        collisions=getattr(stage, "collisions", 0) - touched,
+        wrong_cells=result.wrong_cells,
+        sim_s=stage.time_s - begun_s,
+        repeat=pair.repeat,
+    ), ended
+
+
 def evaluate_pairs(
     stage: Stage,
     agent: Agent,
@@ -83,38 +172,25 @@ def evaluate_pairs(
     sink: Sink,
     on_pair: Callable[[PairResult], None],
     should_stop: Callable[[], bool],
+    pairs: Sequence[Pair] | None = None,
 ) -> PairTable:
-    """Drive every goal from every start, greedily, with what the agent knows now.
-
-    Within a trial the agent keeps learning, as it does in play (a blocked way must lose its value, or a greedy agent
-    stands before it for ever); for the next pair it forgets that again. Each pair draws from its own random stream.
-    So a pair's result depends on the pairs before it only through the noise of odometry.
+    """Drive pairs one after the other (`drive_pair`).
 
     Args:
         stage: Where to drive.
         agent: Whose values are followed; unchanged afterwards.
-        seed: Seed of the run.
+        seed: Seed of the evaluation.
         sink: Consumer of events.
         on_pair: Called after each pair.
         should_stop: Asked before each pair; True ends the evaluation early.
+        pairs: Which; None for every goal from every start once.
     """
     table = PairTable()
     clock = Clock()
-    for goal_index, goal in enumerate(agent.goal_names):
-        for start_index, (start, cell) in enumerate(stage.maze.starts.items()):
-            if should_stop():
-                return table
-            rng = stream(seed, "explore", goal_index, start_index)
-            touched = getattr(stage, "collisions", 0)
-            driver = copy.deepcopy(agent)
-            result = run_trial(stage, driver, goal_index, cell, rng, clock, sink, learn=True, explore=False)
-            clock = Clock(clock.trial + 1, clock.step + result.steps, stage.time_s)
-            pair = _pair(goal, start, result, getattr(stage, "collisions", 0) - touched)
-            table.pairs.append(pair)
-            on_pair(pair)
+    for pair in pairs_of(stage.maze) if pairs is None else pairs:
+        if should_stop():
+            break
+        found, clock = drive_pair(stage, agent, pair, seed, clock, sink)
+        table.pairs.append(found)
+        on_pair(found)
     return table
-
-
-def _pair(goal: str, start: str, result: TrialResult, collisions: int) -> PairResult:
-    success = result.outcome == "reached"
-    return PairResult(goal, start, success, result.outcome, result.steps, result.shortest, result.cause, collisions)

@@ -29,8 +29,9 @@ from twonav_cli.events import (
     TrialEnded,
     TrialStarted,
 )
+from twonav_cli.experiments.failure_causes import Passed, failure_of
 from twonav_cli.experiments.new_goal import GoalWish, add_goal
-from twonav_cli.experiments.trials import Passed, failure_of, tell_look
+from twonav_cli.experiments.trials import tell_look
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell, GridFrame
 from twonav_cli.learner.agent import Agent

@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
-import signal
-import threading
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from twonav_cli.config import LearningConfig
-from twonav_cli.errors import TwonavError
 from twonav_cli.experiments.learning_run import LearningRun, never, run_learner
+from twonav_cli.experiments.worker_pool import StoppedError, done_in_workers
 from twonav_cli.maze import Maze
 from twonav_cli.rng import stream
 
@@ -26,13 +19,6 @@ CHUNKS_PER_PROCESSOR = 16
 
 ITEMS_PER_CHUNK = 8
 """At most, so that the progress bar moves."""
-
-POLL_S = 0.1
-"""How long a request to stop may go unseen."""
-
-
-class StoppedError(Exception):
-    """The runs were asked to stop before the last was done."""
 
 
 @dataclass(frozen=True)
@@ -51,11 +37,6 @@ class Item:
         again beside others.
         """
         return int(stream(seed, "repeat", self.maze, self.repeat).integers(2**31))
-
-
-def processors() -> int:
-    """Return how many processors this program may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def make_runs(
@@ -143,49 +124,7 @@ def _make_in_workers(
     keep: Callable[[int, LearningRun], None],
 ) -> None:
     size = min(ITEMS_PER_CHUNK, max(1, len(numbers) // (processes * CHUNKS_PER_PROCESSOR)))
-    chunks = [numbers[first : first + size] for first in range(0, len(numbers), size)]
-    # Spawned, not forked: a fork copies the progress bar's lock, held or not, but not its thread.
-    context = multiprocessing.get_context("spawn")
-    # Ctrl-C reaches every program of the terminal: here it asks to stop, and the workers are told by the parent.
-    ignore = (signal.SIGINT, signal.SIG_IGN)
-    pool = ProcessPoolExecutor(min(processes, len(chunks)), context, signal.signal, ignore)
-    others = multiprocessing.active_children()
-    try:
-        with _interrupts_ignored():
-            futures = {pool.submit(run_chunk, chunk_of(chunk)): chunk for chunk in chunks}
-        for done in _as_they_end(set(futures), should_stop):
-            for number, run in zip(futures[done], done.result(), strict=True):
-                keep(number, run)
-    except BrokenProcessPool as error:
-        raise TwonavError("a worker ended unexpectedly (out of memory?): try again with --processes 1") from error
-    except BaseException:
-        # A worker keeps nothing, so what is under way can be broken off.
-        for worker in multiprocessing.active_children():
-            if worker not in others:
-                worker.terminate()
-        raise
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
-def _as_they_end(
-    waiting: set[Future[list[LearningRun]]], should_stop: Callable[[], bool]
-) -> Iterator[Future[list[LearningRun]]]:
-    while waiting:
-        ended, waiting = wait(waiting, timeout=POLL_S, return_when=FIRST_COMPLETED)
-        if should_stop():
-            raise StoppedError
-        yield from ended
-
-
-@contextmanager
-def _interrupts_ignored() -> Iterator[None]:
-    """Ignore Ctrl-C while workers are started: they inherit that, and it holds before their first line runs."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
+    parts = [numbers[first : first + size] for first in range(0, len(numbers), size)]
+    for part, runs in done_in_workers(run_chunk, [chunk_of(part) for part in parts], processes, should_stop):
+        for number, run in zip(parts[part], runs, strict=True):
+            keep(number, run)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from twonav_cli.events import Clock, Looked, QSnapshot, Sink, StepTaken, TrialEnded, TrialStarted
-from twonav_cli.experiments.belief_evidence import belief_sentence
+from twonav_cli.experiments.failure_causes import Passed, failure_of
 from twonav_cli.experiments.learning_progress import (
     LearningOutcome,
     after_trials,
@@ -30,12 +30,6 @@ SNAPSHOT_ROUNDS = 5
 TRIALS_AT_MOST = 10_000
 """Trials after which learning in another stage gives up (ours)."""
 
-BLOCKED_LOOK_BACK, BLOCKED_AT_LEAST = 20, 10
-"""A failed trial was "blocked" when so many of its last actions were."""
-
-LOOP_LOOK_BACK, LOOP_CELLS_AT_MOST = 40, 8
-"""A failed trial was a "loop" when its last steps saw so few cells."""
-
 
 @dataclass(frozen=True)
 class TrialResult:
@@ -45,9 +39,10 @@ class TrialResult:
         outcome: "reached", "false-arrival" or "time-out".
         steps: Actions taken.
         shortest: Length of the shortest way in the maze.
-        cause: Why it failed: "", "mislocalized", "blocked", "loop" or "time-out".
+        cause: Why it failed, one of CAUSES; "" when it did not.
         evidence: One sentence for the cause.
         clock: When the trial ended.
+        wrong_cells: Actions after which the robot stood in another cell than it should have.
     """
 
     outcome: str
@@ -56,6 +51,7 @@ class TrialResult:
     cause: str
     evidence: str
     clock: Clock
+    wrong_cells: int = 0
 
 
 def learn_in_stage(
@@ -100,6 +96,7 @@ def _learn_from_trial(stage: Stage, agent: Agent, seed: int, sink: Sink) -> bool
     goal, start = progress.goal, progress.next_start
     rng = stream(seed, "explore", progress.trial)
     clock = clock_of(agent, stage.time_s)
+    stage.draw_from(stream(seed, "world", progress.trial))
     result = run_trial(stage, agent, goal, starts[start], rng, clock, sink, learn=True, explore=True)
     agent.end_trial()
     record_trial(progress.consecutive, progress.window, start, result.steps, result.outcome == "reached")
@@ -110,14 +107,6 @@ def _learn_from_trial(stage: Stage, agent: Agent, seed: int, sink: Sink) -> bool
     progress.next_start = (start + 1) % len(starts)
     round_over = progress.next_start == 0
     return round_over and is_learned(progress.consecutive, progress.window, agent.config.max_step_difference)
-
-
-@dataclass(frozen=True)
-class Passed:
-    """What a trial remembers of a step to explain a failure."""
-
-    cell: Cell
-    blocked: bool
 
 
 def run_trial(
@@ -155,8 +144,8 @@ def run_trial(
     while start != goal_cell and seen.cell != goal_cell and len(passed) < agent.config.trial_limit_steps:
         clock = replace(clock, step=clock.step + 1, time_s=stage.time_s)
         before = seen
-        seen, blocked = _take_step(stage, agent, goal, before, rng, clock, sink, learn, explore)
-        passed.append(Passed(seen.cell, blocked))
+        seen, step = _take_step(stage, agent, goal, before, rng, clock, sink, learn, explore)
+        passed.append(step)
     return _ended(stage, goal_cell, name, start, seen, passed, replace(clock, time_s=stage.time_s), sink)
 
 
@@ -178,7 +167,8 @@ def _ended(
     steps, shortest = len(passed), int(stage.maze.distances_to(goal_cell)[start])
     poses = (seen.pose_true, seen.pose_estimate)
     sink(TrialEnded(clock, name, start, outcome, steps, shortest, cause, evidence, *poses))
-    return TrialResult(outcome, steps, shortest, cause, evidence, clock)
+    wrong_cells = sum(step.wrong_cell for step in passed)
+    return TrialResult(outcome, steps, shortest, cause, evidence, clock, wrong_cells)
 
 
 def _take_step(
@@ -191,8 +181,8 @@ def _take_step(
     sink: Sink,
     learn: bool,
     explore: bool,
-) -> tuple[Observation, bool]:
-    """Choose, act, learn; return what is seen afterwards, and whether the action counts as blocked."""
+) -> tuple[Observation, Passed]:
+    """Choose, act, learn; return what is seen afterwards, and what the trial remembers of the step."""
     values = agent.values(before.cell, goal)
     action, greedy = agent.choose(before.cell, goal, rng, explore)
     result = stage.act(action, clock, sink)
@@ -219,32 +209,11 @@ def _take_step(
             filtered=seen.filtered,
         )
     )
-    return seen, blocked
+    should_be = stage.maze.moved(before.cell, action) if result.outcome == REACHED else before.true_cell
+    return seen, Passed(seen.cell, blocked, seen.pose_true, seen.true_cell != should_be)
 
 
 def tell_look(seen: Observation, clock: Clock, sink: Sink) -> None:
     """Send what a robot that stands sees and makes of it, in a stage with a camera."""
     if seen.image is not None and seen.pose_true is not None:
         sink(Looked(clock, seen.pose_true, seen.image, seen.pose_estimate, seen.belief, seen.filtered))
-
-
-def failure_of(outcome: str, seen: Observation, goal_cell: Cell, passed: list[Passed]) -> tuple[str, str]:
-    """Return why a trial failed, from a closed list, and one sentence of evidence; empty when it did not."""
-    if outcome == "reached":
-        return "", ""
-    believed, true = tuple(seen.cell), tuple(seen.true_cell)
-    if outcome == "false-arrival":
-        declared = f"Arrival was declared in {believed}, but the robot stands in {true}."
-        return "mislocalized", f"{declared} {belief_sentence(seen)}".rstrip()
-    if believed != true:
-        ended = f"At the end the robot believes to be in {believed} and stands in {true}."
-        return "mislocalized", f"{ended} {belief_sentence(seen)}".rstrip()
-    last = passed[-BLOCKED_LOOK_BACK:]
-    blocked = sum(step.blocked for step in last)
-    if blocked >= BLOCKED_AT_LEAST:
-        return "blocked", f"{blocked} of the last {len(last)} actions were blocked."
-    recent = passed[-LOOP_LOOK_BACK:]
-    cells = len({step.cell for step in recent})
-    if len(recent) == LOOP_LOOK_BACK and cells <= LOOP_CELLS_AT_MOST:
-        return "loop", f"The last {len(recent)} steps saw only {cells} cells."
-    return "time-out", f"After {len(passed)} actions the robot is in {true} and the goal in {tuple(goal_cell)}."

@@ -206,6 +206,10 @@ class BeliefFilter:
         self._floor = floor
         self.forget()
 
+    def draw_from(self, rng: np.random.Generator) -> None:
+        """Draw from another stream from here on."""
+        self._rng = rng
+
     def forget(self) -> None:
         """Know nothing: the next look says where the robot may be."""
         self._particles: FloatArray = np.zeros((0, 3))

@@ -24,6 +24,10 @@ class RobotBody:
         self._rng = rng
         self._last = world.pose()
 
+    def draw_from(self, rng: np.random.Generator) -> None:
+        """Draw odometry's errors from a stream from here on."""
+        self._rng = rng
+
     def settle(self) -> None:
         """Forget motion that was not driven: the robot was put somewhere."""
         self._last = self.world.pose()

@@ -50,6 +50,9 @@ class Localize(Protocol):
     def forget(self) -> None:
         """Know nothing: the next look is the first."""
 
+    def draw_from(self, rng: np.random.Generator) -> None:
+        """Draw what is random from a stream from here on."""
+
 
 class FromPicture:
     """The localizer's answer to each picture, whatever was seen before (the paper)."""
@@ -63,6 +66,9 @@ class FromPicture:
 
     def forget(self) -> None:
         """Nothing is remembered."""
+
+    def draw_from(self, rng: np.random.Generator) -> None:
+        """Nothing is drawn."""
 
 
 class FromEveryLook:
@@ -82,6 +88,10 @@ class FromEveryLook:
     def forget(self) -> None:
         """Know nothing: the next picture alone decides."""
         self._filter.forget()
+
+    def draw_from(self, rng: np.random.Generator) -> None:
+        """Draw the particles from a stream from here on."""
+        self._filter.draw_from(rng)
 
 
 def _shown(found: FilteredPose) -> Filtered:

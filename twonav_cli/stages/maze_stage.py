@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from twonav_cli.errors import TwonavError
 from twonav_cli.events import Clock, Sink
 from twonav_cli.grid import Cell
@@ -26,6 +28,9 @@ class MazeStage:
     def time_s(self) -> float:
         """Always 0: a maze has no clock."""
         return 0.0
+
+    def draw_from(self, rng: np.random.Generator) -> None:
+        """Nothing is random in a maze."""
 
     def place(self, cell: Cell) -> Observation:
         """Put the robot into a free cell.

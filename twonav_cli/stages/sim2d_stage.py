@@ -79,6 +79,10 @@ class Sim2dStage:
         """Control periods that ended at something, since the stage was made."""
         return int(self.body.state["collisions"][0])
 
+    def draw_from(self, rng: np.random.Generator) -> None:
+        """Draw odometry's errors and headings from a stream from here on."""
+        self.body.errors = self._placing = rng
+
     def place(self, cell: Cell) -> Observation:
         """Put the robot at the centre of a cell, with the scene's heading if the cell is a start.
 

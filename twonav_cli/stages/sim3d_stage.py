@@ -82,6 +82,13 @@ class Sim3dStage:
         """Control periods that ended touching something, since the stage was made."""
         return self._body.collisions
 
+    def draw_from(self, rng: np.random.Generator) -> None:
+        """Draw odometry's errors, headings and the filter's particles from a stream from here on."""
+        self._body.draw_from(rng)
+        self._placing = rng
+        if self.localize is not None:
+            self.localize.draw_from(rng)
+
     def place(self, cell: Cell) -> Observation:
         """Put the robot at the centre of a cell, with the scene's heading if the cell is a start."""
         return self.place_at(self._pose_in(cell))

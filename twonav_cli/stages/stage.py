@@ -54,6 +54,9 @@ class Stage(Protocol):
     def time_s(self) -> float:
         """Simulated time since the stage was made."""
 
+    def draw_from(self, rng: np.random.Generator) -> None:
+        """Draw what is random in the world from a stream from here on: then a trial repeats, whatever came before."""
+
     def place(self, cell: Cell) -> Observation:
         """Put the robot at the centre of a free cell, tell it that it knows nothing, and look."""
 

@@ -210,6 +210,10 @@ def evaluate(
         ),
     ] = None,
     network: NetworkOption = None,
+    repeats: Annotated[int, typer.Option("--repeats", min=1, help="How often every pair is driven.")] = 1,
+    workers: Annotated[
+        int, typer.Option("--workers", min=1, help="Processes that share the pairs; the figures are the same.")
+    ] = 1,
     checkpoints: CheckpointsOption = None,
     map_from: MapFromOption = None,
     json_: JsonOption = False,
@@ -219,8 +223,8 @@ def evaluate(
 
     request = EvaluateRequest(
         stage=stage, localizer=localizer, scene=scene, seed=seed, record=record, base=base, frames=frames,
-        track_frames=track_frames, kidnap_frames=kidnap_frames, network=network, checkpoints=checkpoints,
-        map_from=map_from, as_json=json_,
+        track_frames=track_frames, kidnap_frames=kidnap_frames, network=network, repeats=repeats, workers=workers,
+        checkpoints=checkpoints, map_from=map_from, as_json=json_,
     )  # fmt: skip
     raise typer.Exit(run_evaluate(request))
 

@@ -22,6 +22,7 @@ from twonav_cli.terminal.map_source import tell_source
 
 if TYPE_CHECKING:
     from twonav_cli.experiments.evaluation import PairResult, PairTable
+    from twonav_cli.experiments.shared_evaluation import Drive
 
 STAGES = ("maze", "2d", "3d", "localizer")
 
@@ -42,6 +43,8 @@ class EvaluateRequest:
     network: str | None = None
     checkpoints: Path | None = None
     map_from: str | None = None
+    repeats: int = 1
+    workers: int = 1
     as_json: bool = False
 
 
@@ -65,7 +68,7 @@ def run_evaluate(request: EvaluateRequest) -> int:
 
 def _measure_localizer(request: EvaluateRequest, floor: Floor) -> int:
     """Measure a localizer and print its figures; returns 0, or 130 when interrupted."""
-    from twonav_cli.experiments.repeats import StoppedError
+    from twonav_cli.experiments.worker_pool import StoppedError
     from twonav_cli.terminal.localizer_figures import print_figures
 
     with StopOnInterrupt("stopping: nothing is kept") as stop:
@@ -85,13 +88,17 @@ def _check_options(request: EvaluateRequest) -> None:
         TwonavError: Says what to leave out, or that there is no network of that name.
     """
     if request.stage == "localizer":
-        if request.record is not None:
-            raise TwonavError("--record is not for --stage localizer: leave it out")
+        asked = {"--record": request.record, "--repeats": request.repeats > 1, "--workers": request.workers > 1}
+        for option, given in asked.items():
+            if given:
+                raise TwonavError(f"{option} is not for --stage localizer: leave it out")
         if request.network is not None:
             from twonav_cli.localizer.networks import network_spec
 
             network_spec(request.network)
         return
+    if request.record is not None and request.workers > 1:
+        raise TwonavError("--record needs one worker: leave --workers out")
     for name in OF_LOCALIZER:
         if getattr(request, name) is not None:
             option = "--" + name.replace("_", "-")
@@ -99,21 +106,16 @@ def _check_options(request: EvaluateRequest) -> None:
 
 
 def _pairs(request: EvaluateRequest, floor: Floor, should_stop: Callable[[], bool]) -> dict[str, Any]:
-    from twonav_cli.experiments.evaluation import evaluate_pairs
-    from twonav_cli.experiments.predecessors import load_agent, load_localize, make_stage
-    from twonav_cli.terminal.recordings import recording
+    from twonav_cli.experiments.shared_evaluation import Drive, evaluate_shared
 
-    agent = load_agent(floor, request.stage, request.checkpoints)
-    uses_camera, filtered = request.stage == "3d" and request.localizer != "truth", request.localizer == "filtered"
-    localize = load_localize(floor, request.checkpoints, filtered=filtered, seed=request.seed) if uses_camera else None
-    stage = make_stage(floor, request.stage, localize, request.seed, _options(request))
-    begun = RunStarted(
-        Clock(), "evaluate", request.stage, floor.scene.name, request.seed, {"localizer": request.localizer},
-        floor.maze, floor.maze_frame, floor.map.occupied, floor.map.frame,
+    drive = Drive(
+        request.scene, request.stage, request.localizer, request.base, request.seed, request.checkpoints,
+        request.map_from, watched=request.record is not None,
     )  # fmt: skip
-    wanted = len(floor.maze.goals) * len(floor.maze.starts)
-    with contextlib.closing(stage), progress() as bar, recording(request.record, request.stage, begun) as recorder:
-        task = bar.add_task(f"pairs, {request.stage} {request.localizer}", total=wanted, result="")
+    wanted = len(floor.maze.goals) * len(floor.maze.starts) * request.repeats
+    title = f"pairs, {request.stage}" + (f" {request.localizer}" if request.stage == "3d" else "")
+    with progress() as bar:
+        task = bar.add_task(title, total=wanted, result="")
         reached = 0
 
         def show(pair: PairResult) -> None:
@@ -124,25 +126,42 @@ def _pairs(request: EvaluateRequest, floor: Floor, should_stop: Callable[[], boo
                 bar.console.print(f"{pair.start} to {pair.goal}: {pair.outcome}, {pair.cause}")
 
         begun_s = time.monotonic()
-        table: PairTable = evaluate_pairs(stage, agent, request.seed, recorder, show, should_stop)
+        if request.workers > 1:
+            table = evaluate_shared(drive, floor, request.repeats, request.workers, show, should_stop)
+        else:
+            table = _driven_here(request, drive, floor, show, should_stop)
         wall_s = time.monotonic() - begun_s
-        recorder(RunEnded(Clock(len(table.pairs)), f"{reached} of {len(table.pairs)}"))
     actions = sum(pair.actions for pair in table.pairs)
-    settings = {"scene": floor.scene.name, "stage": request.stage, "localizer": request.localizer, "seed": request.seed}
+    settings = {
+        "scene": floor.scene.name, "stage": request.stage, "localizer": request.localizer, "base": request.base,
+        "seed": request.seed, "repeats": request.repeats, "workers": request.workers,
+    }  # fmt: skip
     return {**table.report(), "actions_per_s": actions / wall_s if wall_s else None, "settings": settings}
 
 
-def _options(request: EvaluateRequest) -> Any:
-    if request.stage == "maze":
-        return None
-    watched = request.record is not None
-    if request.stage == "2d":
-        from twonav_cli.stages.sim2d_stage import Sim2dOptions
+def _driven_here(
+    request: EvaluateRequest,
+    drive: Drive,
+    floor: Floor,
+    on_pair: Callable[[PairResult], None],
+    should_stop: Callable[[], bool],
+) -> PairTable:
+    """Drive all pairs in this process, and record them if that is wanted."""
+    from twonav_cli.experiments.evaluation import evaluate_pairs, pairs_of
+    from twonav_cli.experiments.shared_evaluation import open_drive
+    from twonav_cli.terminal.recordings import recording
 
-        return Sim2dOptions(base=request.base, ticks=watched, trace=watched)
-    from twonav_cli.stages.sim3d_stage import Sim3dOptions
-
-    return Sim3dOptions(base=request.base, trace=watched)
+    stage, agent = open_drive(drive, floor)
+    begun = RunStarted(
+        Clock(), "evaluate", request.stage, floor.scene.name, request.seed, {"localizer": request.localizer},
+        floor.maze, floor.maze_frame, floor.map.occupied, floor.map.frame,
+    )  # fmt: skip
+    pairs = pairs_of(floor.maze, request.repeats)
+    with contextlib.closing(stage), recording(request.record, request.stage, begun) as recorder:
+        table = evaluate_pairs(stage, agent, request.seed, recorder, on_pair, should_stop, pairs)
+        reached = sum(pair.success for pair in table.pairs)
+        recorder(RunEnded(Clock(len(table.pairs)), f"{reached} of {len(table.pairs)}"))
+    return table
 
 
 def _localizer_report(request: EvaluateRequest, floor: Floor, should_stop: Callable[[], bool]) -> dict[str, Any]:
@@ -163,15 +182,20 @@ def _print_pairs(report: dict[str, Any]) -> None:
     from twonav_cli.terminal.console import out
 
     table = Table(box=None, pad_edge=False)
-    for heading in ("goal", "reached", "actions", "shortest", "ratio", "SPL"):
+    for heading in ("goal", "reached", "actions", "±", "shortest", "ratio", "SPL"):
         table.add_column(heading, justify="left" if heading == "goal" else "right")
     for goal, row in [*report["per_goal"].items(), ("all", report)]:
-        numbers = [_number(row[key], 2) for key in ("actions_mean", "shortest_mean", "ratio", "spl")]
+        numbers = [_number(row[key], 2) for key in ("actions_mean", "actions_std", "shortest_mean", "ratio", "spl")]
         table.add_row(goal, f"{row['successes']} of {row['pairs']}", *numbers)
     out().print(table)
     causes = ", ".join(f"{cause} {count}" for cause, count in report["causes"].items()) or "none"
-    out().print(f"failures: {causes}; collisions: {report['collisions']}")
-    out().print(f"{_number(report['actions_per_s'], 1)} actions per second")
+    per_100 = [_number(report[f"{name}_per_100_actions"], 2) for name in ("collisions", "wrong_cells")]
+    out().print(f"failures: {causes}")
+    out().print(f"of 100 actions {per_100[0]} control periods at an obstacle, {per_100[1]} ends in another cell")
+    out().print(
+        f"an action takes {_number(report['sim_s_per_action'], 2)} s; "
+        f"{_number(report['actions_per_s'], 1)} actions per second here"
+    )
 
 
 def _number(value: float | None, digits: int) -> str:

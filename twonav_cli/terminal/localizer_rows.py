@@ -43,7 +43,7 @@ from twonav_cli.experiments.localizer_tables.trained import (
     train_row,
 )
 from twonav_cli.experiments.predecessors import checkpoint_folder
-from twonav_cli.experiments.repeats import StoppedError
+from twonav_cli.experiments.worker_pool import StoppedError
 from twonav_cli.localizer.batches import Selection
 from twonav_cli.localizer.errors_report import pose_errors
 from twonav_cli.localizer.measuring import thinned

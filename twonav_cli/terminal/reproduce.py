@@ -12,7 +12,7 @@ from typing import Any
 from twonav_cli.errors import TwonavError
 from twonav_cli.experiments.learning_run import LearningRun
 from twonav_cli.experiments.localizer_tables.request import LocalizerRequest
-from twonav_cli.experiments.repeats import Item, StoppedError, make_runs, processors
+from twonav_cli.experiments.repeats import Item, make_runs
 from twonav_cli.experiments.tables.catalog import (
     EVERY_TABLE,
     LOCALIZER_TABLES,
@@ -23,6 +23,7 @@ from twonav_cli.experiments.tables.catalog import (
 )
 from twonav_cli.experiments.tables.report import Report
 from twonav_cli.experiments.tables.request import MAZES, SCENE, TableRequest
+from twonav_cli.experiments.worker_pool import StoppedError, processors
 from twonav_cli.files import writable, write_whole
 from twonav_cli.mapping.floor import read_floor
 from twonav_cli.maze import Maze

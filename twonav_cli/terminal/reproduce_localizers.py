@@ -12,7 +12,7 @@ from pathlib import Path
 from twonav_cli.experiments.localizer_tables.error_map import ErrorMapReport, error_map_report, heat_of
 from twonav_cli.experiments.localizer_tables.report import LocalizerReport, table_report
 from twonav_cli.experiments.localizer_tables.request import LocalizerRequest
-from twonav_cli.experiments.repeats import StoppedError
+from twonav_cli.experiments.worker_pool import StoppedError
 from twonav_cli.files import write_whole
 from twonav_cli.mapping.floor import read_floor
 from twonav_cli.paths import runs_dir

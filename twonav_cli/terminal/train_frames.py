@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from twonav_cli.dataset.plan import GRID_SET, SETS, PlanConfig
-from twonav_cli.experiments.repeats import processors
+from twonav_cli.experiments.worker_pool import processors
 from twonav_cli.mapping.floor import Floor
 from twonav_cli.mapping.known_maps import SURVEY
 from twonav_cli.paths import runs_dir

@@ -14,7 +14,7 @@ from twonav_cli.events import Clock, RunEnded, RunStarted, to_all
 from twonav_cli.experiments.localizer_report import ReportConfig
 from twonav_cli.experiments.localizer_tables.budget import QUICK_IMAGES
 from twonav_cli.experiments.localizer_tables.trained import finished
-from twonav_cli.experiments.repeats import StoppedError
+from twonav_cli.experiments.worker_pool import StoppedError
 from twonav_cli.localizer.batches import Selection
 from twonav_cli.localizer.devices import chosen_device
 from twonav_cli.localizer.networks import OURS

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from twonav_cli.checkpoint import read_card
 from twonav_cli.dataset.store import FrameStore, Indices
-from twonav_cli.experiments.repeats import StoppedError
+from twonav_cli.experiments.worker_pool import StoppedError
 from twonav_cli.files import digest_of, write_whole
 from twonav_cli.localizer.batches import Selection
 from twonav_cli.localizer.errors_report import error_metrics

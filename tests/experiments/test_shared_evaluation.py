@@ -1,0 +1,46 @@
+"""Pairs shared among processes give the figures of one process."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from twonav_cli.events import to_nobody
+from twonav_cli.experiments.evaluation import PairResult, evaluate_pairs, pairs_of
+from twonav_cli.experiments.shared_evaluation import Drive, evaluate_shared, open_drive
+from twonav_cli.experiments.worker_pool import done_in_workers
+from twonav_cli.mapping.floor import Floor, read_floor
+
+
+@pytest.fixture
+def floor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Floor:
+    monkeypatch.setenv("TWONAV_RUNS", str(tmp_path))
+    return read_floor("kitchen")
+
+
+@pytest.mark.parametrize("stage", ["maze", "2d"])
+def test_two_workers_find_what_one_process_finds(floor: Floor, stage: str) -> None:
+    drive, told = Drive("kitchen", stage, seed=4), list[PairResult]()
+    shared = evaluate_shared(drive, floor, 2, 2, told.append, lambda: False)
+    world, agent = open_drive(drive, floor)
+    alone = evaluate_pairs(world, agent, 4, to_nobody, lambda pair: None, lambda: False, pairs_of(floor.maze, 2))
+    assert len(alone.pairs) == 50
+    without_times = [[{**vars(p), "sim_s": round(p.sim_s, 6)} for p in table.pairs] for table in (shared, alone)]
+    assert without_times[0] == without_times[1]
+    assert sorted(told, key=repr) == sorted(shared.pairs, key=repr)
+
+
+def test_an_evaluation_that_is_stopped_keeps_what_was_driven(floor: Floor) -> None:
+    told = list[PairResult]()
+    table = evaluate_shared(Drive("kitchen", "maze"), floor, 3, 2, told.append, lambda: len(told) >= 20)
+    assert 20 <= len(table.pairs) < 75
+    assert len(told) == len(table.pairs)
+
+
+def halved(number: int) -> float:
+    return number / 2
+
+
+def test_jobs_are_numbered_as_they_were_given() -> None:
+    assert dict(done_in_workers(halved, [5, 6, 7], 2, lambda: False)) == {0: 2.5, 1: 3.0, 2: 3.5}
