@@ -114,6 +114,9 @@ IMAGE_PX = 84
 BASES = ("omni", "differential")
 """What the robot drives on: it moves in any direction, or only along its heading (§3.1.3, Fig. 5)."""
 
+LOCALIZERS = ("filtered", "raw", "truth")
+"""Where the 3D stage has its pose from: the camera fused with odometry, each picture alone, or the simulator."""
+
 
 @dataclass(frozen=True)
 class OdometryNoise:

@@ -8,7 +8,7 @@ import sys
 import gymnasium
 import pytest
 
-from twonav_cli.environments.registration import MAZE_ID, register
+from twonav_cli.environments.registration import ENVIRONMENTS, MAZE_ID, register
 
 ONE_LINE = """
 import sys, gymnasium
@@ -26,6 +26,10 @@ def test_one_line_makes_the_environment_in_a_fresh_interpreter_without_heavy_imp
 @pytest.mark.filterwarnings("error")
 def test_registering_twice_changes_nothing() -> None:
     register()
-    before = gymnasium.registry[MAZE_ID]
+    before = {name: gymnasium.registry[name] for name in ENVIRONMENTS}
     register()
-    assert gymnasium.registry[MAZE_ID] is before
+    assert all(gymnasium.registry[name] is spec for name, spec in before.items())
+
+
+def test_three_worlds_are_registered() -> None:
+    assert set(ENVIRONMENTS) == {"twonav/Maze-v0", "twonav/Sim2D-v0", "twonav/Apartment-v0"}

@@ -5,30 +5,24 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from twonav_cli.belief import Belief
+from twonav_cli import checkpoint_folders
 from twonav_cli.checkpoint import CARD_FILE
 from twonav_cli.config import learning_preset
 from twonav_cli.errors import TwonavError
-from twonav_cli.experiments import predecessors
-from twonav_cli.experiments.predecessors import checkpoint_folder, load_agent, load_localize, make_stage
-from twonav_cli.geometry import Pose, distance_m
-from twonav_cli.grid import GridFrame
+from twonav_cli.experiments.predecessors import checkpoint_folder, load_agent, load_localize
 from twonav_cli.learner.agent import Agent
 from twonav_cli.learner.replay import Experience
 from twonav_cli.mapping.floor import Floor, read_floor
-from twonav_cli.stages.localize import STILL
-from twonav_cli.stages.maze_stage import MazeStage
 
 
 @pytest.fixture
 def places(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]:
     """Return the folders of the shipped checkpoints and of the user's own runs, both empty."""
     shipped, own = tmp_path / "shipped", tmp_path / "own"
-    monkeypatch.setattr(predecessors, "checkpoints_dir", lambda: shipped)
-    monkeypatch.setattr(predecessors, "runs_dir", lambda: own)
+    monkeypatch.setattr(checkpoint_folders, "checkpoints_dir", lambda: shipped)
+    monkeypatch.setattr(checkpoint_folders, "runs_dir", lambda: own)
     return shipped, own
 
 
@@ -59,30 +53,6 @@ def put_agent(folder: Path, floor: Floor, value: float) -> Path:
         "metrics": {},
     }
     return agent.save(folder, card)
-
-
-def test_the_shipped_checkpoint_goes_before_the_own_one_unless_asked_otherwise(places: tuple[Path, Path]) -> None:
-    shipped, own = (put_card(place / "kitchen" / "maze") for place in places)
-    assert checkpoint_folder("kitchen", "maze") == shipped
-    assert checkpoint_folder("kitchen", "maze", own_first=True) == own
-
-
-def test_the_own_checkpoint_is_found_where_none_is_shipped(places: tuple[Path, Path]) -> None:
-    own = put_card(places[1] / "kitchen" / "maze")
-    assert checkpoint_folder("kitchen", "maze") == own
-
-
-def test_where_a_folder_is_named_only_that_one_counts(places: tuple[Path, Path], tmp_path: Path) -> None:
-    put_card(places[0] / "kitchen" / "maze")
-    chosen = put_card(tmp_path / "chosen" / "maze").parent
-    assert checkpoint_folder("kitchen", "maze", chosen) == chosen / "maze"
-    with pytest.raises(TwonavError, match=r"no localizer checkpoint in .*chosen"):
-        checkpoint_folder("kitchen", "localizer", chosen)
-
-
-def test_a_missing_checkpoint_is_answered_with_the_command_that_makes_it(places: tuple[Path, Path]) -> None:
-    with pytest.raises(TwonavError, match=r"`twonav train --stage localizer --scene kitchen`"):
-        checkpoint_folder("kitchen", "localizer")
 
 
 @pytest.mark.usefixtures("places")
@@ -151,76 +121,3 @@ def test_an_agent_of_this_scene_goes_before_one_of_another(places: tuple[Path, P
     put_card(places[0] / "kitchen" / "maze")
     own = put_agent(places[1] / "kitchen" / "maze", floor, 2.0)
     assert checkpoint_folder("kitchen", "maze", None, False, floor.scene.digest, "f" * 16) == own
-
-
-def test_a_missing_localizer_is_answered_with_the_command_that_makes_it(
-    places: tuple[Path, Path], floor: Floor
-) -> None:
-    with pytest.raises(TwonavError, match="train --stage localizer"):
-        load_localize(floor)
-
-
-def test_the_maze_stage_is_that_of_the_floor(floor: Floor) -> None:
-    stage = make_stage(floor, "maze", None, 0)
-    assert isinstance(stage, MazeStage)
-    assert np.array_equal(stage.maze.blocked, floor.maze.blocked)
-
-
-class FakeEstimator:
-    """Sure of one place; `gives_beliefs` False gives poses only, as the paper's networks do."""
-
-    gives_beliefs = True
-
-    @classmethod
-    def load(cls, folder: Path, digest: str) -> FakeEstimator:
-        return cls()
-
-    def estimate(self, image: np.ndarray) -> Belief:
-        places, headings = np.array([(1.0, 2.0, 1.0, 0.1)]), np.array([(1.0, 0.5, 0.1)])
-        return Belief(places, headings, 0.1, 60.0, np.zeros((1, 1), np.float32), GridFrame(0, 0, 1, 1, 1))
-
-    def estimate_many(self, images: np.ndarray) -> np.ndarray:
-        return np.tile((3.0, 2.0, 1.0), (len(images), 1))
-
-
-@pytest.fixture
-def estimator(places: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch) -> type[FakeEstimator]:
-    """Put a made-up localizer in the place of the shipped one."""
-    from twonav_cli.localizer import estimator as module
-
-    put_card(places[0] / "kitchen" / "localizer")
-    fake = type("Fake", (FakeEstimator,), {})
-    monkeypatch.setattr(module, "Estimator", fake)
-    return fake
-
-
-IMAGE = np.zeros((84, 84, 3), dtype=np.uint8)
-
-
-def test_the_raw_localizer_gives_the_pose_and_the_belief_of_each_picture(
-    floor: Floor, estimator: type[FakeEstimator]
-) -> None:
-    found = load_localize(floor)(IMAGE, STILL)
-    assert found.pose == Pose(2.0, 1.0, 0.5)
-    assert found.belief is not None
-    assert found.filtered is None
-
-
-def test_the_filtered_localizer_has_particles_about_the_picture_of_its_first_look(
-    floor: Floor, estimator: type[FakeEstimator]
-) -> None:
-    found = load_localize(floor, filtered=True, seed=1)(IMAGE, STILL)
-    assert found.filtered is not None
-    assert distance_m(found.pose, Pose(2.0, 1.0, 0.5)) < 0.1
-    again = load_localize(floor, filtered=True, seed=1)(IMAGE, STILL)
-    assert again.pose == found.pose
-
-
-def test_a_localizer_without_beliefs_gives_poses_but_cannot_be_filtered(
-    floor: Floor, estimator: type[FakeEstimator]
-) -> None:
-    estimator.gives_beliefs = False
-    found = load_localize(floor)(IMAGE, STILL)
-    assert (found.pose, found.belief) == (Pose(3.0, 2.0, 1.0), None)
-    with pytest.raises(TwonavError, match="--localizer raw"):
-        load_localize(floor, filtered=True)

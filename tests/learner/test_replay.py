@@ -87,3 +87,15 @@ def test_a_copy_grows_on_its_own() -> None:
     replay.add(Experience(A, 3, B, False))
     assert replay.to_array()[:, -1].tolist() == [2, 1]
     assert copied.to_array()[:, -1].tolist() == [1, 1, 1]
+
+
+def test_a_buffer_is_filled_from_another_where_it_knows_nothing() -> None:
+    here, there = Cell(0, 0), Cell(0, 1)
+    nearer, further = Replay(), Replay()
+    nearer.add(Experience(here, 3, here, True), times=2)
+    further.add(Experience(here, 3, there, False))
+    further.add(Experience(there, 2, here, False), times=4)
+    filled = nearer.filled_from(further)
+    assert filled.counts == {Experience(here, 3, here, True): 2, Experience(there, 2, here, False): 4}
+    assert filled.to_array().shape == (2, 7)
+    assert len(nearer) == 2

@@ -169,11 +169,14 @@ def test_runs_that_gave_up_are_named_and_have_no_mean(run: Run, monkeypatch: pyt
         (["all", "--mazes", "0"], "--mazes must be at least 1"),
         (["table5", "--scene", "nowhere"], f"--scene is for {WITH_SCENE}: table5 does not use it"),
         (["sensitivity", "--scene", "apartment"], f"--scene is for {WITH_SCENE}: sensitivity does not use it"),
-        (["table5", "--quick"], "--quick is for table3, table4, fig7: table5 does not use it"),
+        (["table5", "--quick"], "--quick is for table3, table4, fig7, table9, table10, fig9: table5 does not use it"),
         (["all", "--images", "5"], "--images is for table3, table4, fig7: all does not use it"),
         (["fig8", "--device", "cpu"], "--device is for table3, table4, fig7: fig8 does not use it"),
-        (["table6", "--networks", "cnn-7"], "--networks is for table3, table4, fig7: table6 does not use it"),
-        (["all", "--only-finished"], "--only-finished is for table3, table4, fig7: all does not use it"),
+        (["table6", "--networks", "cnn-7"], "--networks is for table3, table4, fig7, fig9: table6 does not use it"),
+        (
+            ["all", "--only-finished"],
+            "--only-finished is for .*table9, table10: all does not use it",
+        ),
         (["table8", "--mazes", "3"], "--mazes is for table5, table6, sensitivity: table8 does not use it"),
     ],
 )

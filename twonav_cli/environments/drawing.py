@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
+from twonav_cli.errors import unknown_name
 from twonav_cli.grid import Cell
+
+METADATA: dict[str, Any] = {"render_modes": ["ansi", "rgb_array"], "render_fps": 4}
+"""What every environment here tells Gymnasium of its pictures."""
 
 PICTURE_PX = 480
 """Longest edge of the picture, at most."""
@@ -15,6 +22,25 @@ SMALLEST_CELL_PX = 4
 FREE, BLOCKED, GRID = (247, 247, 247), (64, 64, 64), (225, 225, 225)
 GOAL, AGENT = (0, 114, 178), (213, 94, 0)
 """Blue and vermilion of Okabe and Ito: told apart by colour-blind readers."""
+
+
+def check_render_mode(render_mode: str | None) -> None:
+    """Refuse a render mode that there is not.
+
+    Raises:
+        TwonavError: Names the right ones.
+    """
+    if render_mode is not None and render_mode not in METADATA["render_modes"]:
+        raise unknown_name("render mode", str(render_mode), METADATA["render_modes"])
+
+
+def rendered(render_mode: str | None, blocked: NDArray[np.bool_], agent: Cell, goal: Cell) -> Any:
+    """Return the maze [R, C] as text or as RGB [rows, cols, 3], as the render mode says; None without one."""
+    if render_mode is None:
+        gymnasium.logger.warn('render() shows nothing without a render mode: make(..., render_mode="ansi")')
+        return None
+    draw = text_of if render_mode == "ansi" else picture_of
+    return draw(blocked, agent, goal)
 
 
 def text_of(blocked: NDArray[np.bool_], agent: Cell, goal: Cell) -> str:

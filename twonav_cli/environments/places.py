@@ -1,4 +1,4 @@
-"""What a user of an environment writes for a maze, a goal or a start, and the maze, goal or cell that it means."""
+"""What a user of an environment writes for a scene, a maze, a goal, a start or an action, and what it means."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from pathlib import Path
 
 from twonav_cli.errors import TwonavError, unknown_name
 from twonav_cli.grid import Cell
-from twonav_cli.mapping.floor import read_floor
-from twonav_cli.maze import Maze
+from twonav_cli.mapping.floor import Floor, read_floor
+from twonav_cli.maze import Action, Maze
 from twonav_cli.random_maze import random_maze
 from twonav_cli.scene.catalog import scene_names
 
@@ -59,6 +59,21 @@ def read_maze(maze: str | Path | Maze, number: int, seed: int) -> Maze:
     return read_floor(maze).maze
 
 
+def floor_of(scene: str | Path, map_from: str | None) -> Floor:
+    """Return the floor of a scene.
+
+    Args:
+        scene: Name or path.
+        map_from: "survey" or "geometry"; None takes the survey's map where there is one, else the geometry's.
+
+    Raises:
+        TwonavError: There is no such scene or map.
+    """
+    if not isinstance(scene, str | Path):
+        raise TwonavError(f"{scene!r} is no scene: give a name ({', '.join(scene_names())}) or a path")
+    return read_floor(str(scene), None if map_from is None else str(map_from))
+
+
 def start_of(place: Place, maze: Maze) -> Cell:
     """Return the cell of a start.
 
@@ -95,6 +110,21 @@ def numbered_goal_of(place: Place, maze: Maze) -> Goal:
             f"choose among {', '.join(maze.goals)}, or make the environment for this goal"
         )
     return goal
+
+
+def action_of(action: int) -> int:
+    """Return the action's number.
+
+    Raises:
+        TwonavError: There is no such action.
+    """
+    try:
+        number = index(action)
+    except TypeError:
+        number = -1
+    if not 0 <= number < len(Action):
+        raise TwonavError(f"there is no action {action!r}: 0 is up, 1 down, 2 left, 3 right")
+    return number
 
 
 def _name_and_cell(kind: str, place: Place, maze: Maze) -> tuple[str | None, Cell]:

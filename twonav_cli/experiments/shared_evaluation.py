@@ -52,14 +52,25 @@ def open_drive(drive: Drive, floor: Floor) -> tuple[Stage, Agent]:
     Raises:
         TwonavError: A checkpoint is missing or does not belong here, or there is no renderer.
     """
-    from twonav_cli.experiments.predecessors import load_agent, load_localize, make_stage
+    from twonav_cli.experiments.predecessors import load_agent
 
     agent = load_agent(floor, drive.stage, drive.checkpoints)
+    return stage_of(drive, floor), agent
+
+
+def stage_of(drive: Drive, floor: Floor) -> Stage:
+    """Return the stage of a drive.
+
+    Raises:
+        TwonavError: There is no localizer, or no renderer.
+    """
+    from twonav_cli.experiments.predecessors import load_localize, make_stage
+
     localize = None
     if drive.stage == "3d" and drive.localizer != "truth":
         filtered = drive.localizer == "filtered"
         localize = load_localize(floor, drive.checkpoints, filtered=filtered, seed=drive.seed)
-    return make_stage(floor, drive.stage, localize, drive.seed, _options(drive)), agent
+    return make_stage(floor, drive.stage, localize, drive.seed, _options(drive))
 
 
 def _options(drive: Drive) -> Any:

@@ -57,6 +57,16 @@ class Replay:
         """Keep an experience."""
         self.counts[experience] = self.counts.get(experience, 0) + times
 
+    def filled_from(self, other: Replay) -> Replay:
+        """Return this experience, and that of another buffer about actions in cells of which this one knows nothing."""
+        tried = {(experience.cell, experience.action) for experience in self.counts}
+        filled = Replay()
+        filled.counts = dict(self.counts)
+        for experience, times in other.counts.items():
+            if (experience.cell, experience.action) not in tried:
+                filled.counts[experience] = times
+        return filled
+
     def to_array(self) -> IntArray:
         """Return the buffer as [D, 7]: cell, action, next cell, blocked, number."""
         further = islice(self.counts, len(self._rows), None)

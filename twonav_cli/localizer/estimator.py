@@ -67,6 +67,8 @@ class Estimator:
         Raises:
             TwonavError: Missing, damaged, or made for another scene or version.
         """
+        # Pictures come one by one: two threads gain little, and stand still when another program needs a core.
+        torch.set_num_threads(1)
         arrays, card = load_checkpoint(folder, "localizer", scene_digest)
         try:
             spec, network, head = unpacked(arrays, card)

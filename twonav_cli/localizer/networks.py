@@ -48,7 +48,7 @@ _OUR_TRAINING: dict[str, Any] = {"images": 2_500_000, "batch": 256, "peak_rate":
 _CNN_TRAINING: dict[str, Any] = {
     "variation": 0.0, "batch": 128, "part": 64, "peak_rate": 2.5e-3, "weight_decay": 0.0,
 }  # fmt: skip
-_SDA_TRAINING: dict[str, Any] = {"variation": 0.0, "pretraining_images": 300_000, "batch": 256, "part": 128}
+_SDA_TRAINING: dict[str, Any] = {"variation": 0.0, "pretraining_images": 150_000, "batch": 256, "part": 128}
 SDAS: dict[str, tuple[int, ...]] = {
     f"sda-{layers}x{units}": (units,) * layers for layers in (1, 2, 3) for units in (1500, 4000)
 }

@@ -22,6 +22,8 @@ from twonav_cli.terminal.map_options import (
 )
 from twonav_cli.terminal.map_source import MapFromOption
 from twonav_cli.terminal.reproduce_options import (
+    AgentBaseOption,
+    AgentLocalizerOption,
     NetworksOption,
     OnlyFinishedOption,
     QuickRowsOption,
@@ -234,12 +236,15 @@ def reproduce(
     table: Annotated[
         str,
         typer.Argument(
-            help="table5, table6, table7, table8, fig8, sensitivity, all of these; or table3, table4, fig7 (networks)."
+            help="table5 to table8, fig8, sensitivity, all of these; or, in hours, table3, table4, fig7 (networks), "
+            "table9, table10 (agents in 2D and 3D); or fig9 (where the camera's pose is wrong)."
         ),
     ],
     repeats: Annotated[
         int | None,
-        typer.Option("--repeats", help="Runs of every method on every maze; default: 10, in the sensitivity sweep 3."),
+        typer.Option(
+            "--repeats", help="Runs of every method on every maze, or agents; default: 10, in the sensitivity sweep 3."
+        ),
     ] = None,
     seed: SeedOption = 0,
     discount: Annotated[
@@ -259,7 +264,7 @@ def reproduce(
         str | None,
         typer.Option(
             "--scene",
-            help="Whose maze (table7, table8, fig8), or only whose rows (table3, table4, fig7).",
+            help="Whose maze (table7 to table10, fig8), or only whose rows (table3, table4, fig7).",
             show_default="apartment, or all rows",
         ),
     ] = None,
@@ -272,6 +277,8 @@ def reproduce(
     device: RowDeviceOption = None,
     networks: NetworksOption = None,
     only_finished: OnlyFinishedOption = False,
+    localizer: AgentLocalizerOption = None,
+    base: AgentBaseOption = None,
     json_: JsonOption = False,
     out: Annotated[
         Path | None, typer.Option("--out", help="Folder for NAME.json and NAME.png; default: runs/reproduce.")
@@ -279,15 +286,15 @@ def reproduce(
 ) -> None:
     """Make a table or figure of the paper again, and print it beside the paper's figures.
 
-    Those about mazes take two minutes together (all). Those about localizers train the paper's networks, which takes
-    hours: they can be interrupted at any time and go on where they were.
+    Those about mazes take two minutes together (all). Those about localizers train the paper's networks, those about
+    2D and 3D ten agents; both take hours, can be interrupted at any time and go on where they were.
     """
     from twonav_cli.terminal.reproduce import ReproduceRequest, run_reproduce
 
     request = ReproduceRequest(
         table=table, repeats=repeats, seed=seed, discount=discount, mazes=mazes, scene=scene, processes=processes,
         as_json=json_, out=out, cooling=cooling, map_from=map_from, quick=quick, images=images, device=device,
-        networks=networks, only_finished=only_finished,
+        networks=networks, only_finished=only_finished, localizer=localizer, base=base,
     )  # fmt: skip
     raise typer.Exit(run_reproduce(request))
 

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from twonav_cli.config import BASES
+from twonav_cli.config import BASES, LOCALIZERS
 from twonav_cli.errors import unknown_name
-
-LOCALIZERS = ("filtered", "raw", "truth")
-"""Where the 3D stage has its pose from: the camera fused with odometry, each picture alone, or the simulator."""
 
 
 def check_choices(stage: str, stages: Sequence[str], localizer: str = "raw", base: str = "omni") -> None:

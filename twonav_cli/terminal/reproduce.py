@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from twonav_cli.errors import TwonavError
 from twonav_cli.experiments.learning_run import LearningRun
@@ -17,12 +17,15 @@ from twonav_cli.experiments.tables.catalog import (
     EVERY_TABLE,
     LOCALIZER_TABLES,
     TABLES,
+    TRANSFER_TABLES,
+    WRONG_PLACES,
     default_repeats,
     make_table,
     tables_named,
 )
 from twonav_cli.experiments.tables.report import Report
 from twonav_cli.experiments.tables.request import MAZES, SCENE, TableRequest
+from twonav_cli.experiments.transfer.request import AGENTS, QUICK_AGENTS, TransferRequest
 from twonav_cli.experiments.worker_pool import StoppedError, processors
 from twonav_cli.files import writable, write_whole
 from twonav_cli.mapping.floor import read_floor
@@ -31,6 +34,9 @@ from twonav_cli.paths import runs_dir
 from twonav_cli.terminal.console import progress
 from twonav_cli.terminal.interrupt import StopOnInterrupt
 from twonav_cli.terminal.map_source import tell_source
+
+if TYPE_CHECKING:
+    from twonav_cli.terminal.reproduce_fig9 import Fig9Request
 
 OF_RANDOM_MAZES, OF_A_SCENE = ("table5", "table6", "sensitivity"), ("table7", "table8", "fig8")
 """Which tables are about random mazes, and which about a scene's."""
@@ -58,6 +64,13 @@ class ReproduceRequest:
     device: str | None = None
     networks: str | None = None
     only_finished: bool = False
+    localizer: str | None = None
+    base: str | None = None
+
+    @property
+    def of_transfer(self) -> bool:
+        """Whether the table is about transfer."""
+        return self.table in TRANSFER_TABLES
 
     @property
     def of_localizers(self) -> bool:
@@ -91,6 +104,28 @@ class ReproduceRequest:
             self.only_finished,
         )  # fmt: skip
 
+    def fig9_request(self) -> Fig9Request:
+        """Return what is asked of Fig. 9.
+
+        Raises:
+            TwonavError: There is no network of the name that was given.
+        """
+        from twonav_cli.localizer.networks import network_spec
+        from twonav_cli.terminal.reproduce_fig9 import Fig9Request
+
+        if self.networks is not None:
+            network_spec(self.networks)
+        return Fig9Request(self.scene or SCENE, self.seed, self.networks, self.quick, self.map_from)
+
+    def transfer_request(self) -> TransferRequest:
+        """Return what is asked of a table about transfer."""
+        agents = QUICK_AGENTS if self.quick else AGENTS
+        return TransferRequest(
+            self.table, agents if self.repeats is None else self.repeats, self.seed, self.scene or SCENE,
+            self.localizer or "raw", self.base or "omni", self.processes or processors(), self.quick, self.map_from,
+            self.only_finished,
+        )  # fmt: skip
+
     def check(self) -> None:
         """Refuse what cannot be, and what the table would not look at, before anything is made.
 
@@ -104,6 +139,12 @@ class ReproduceRequest:
         if self.of_localizers:
             self.localizer_request().check()
             return
+        if self.of_transfer:
+            self.transfer_request().check()
+            return
+        if self.table == WRONG_PLACES:
+            self.fig9_request()
+            return
         tables = [self.table_request(name) for name in names]
         for table in tables:
             table.check()
@@ -114,20 +155,23 @@ class ReproduceRequest:
 
     def _options(self) -> list[tuple[str, bool, tuple[str, ...]]]:
         """Return every option that not all tables use, whether it was given, and the tables that do."""
-        learning, with_scene = tuple(TABLES), (*LOCALIZER_TABLES, *OF_A_SCENE)
+        learning, slow = tuple(TABLES), (*LOCALIZER_TABLES, *TRANSFER_TABLES)
+        with_scene = (*LOCALIZER_TABLES, *OF_A_SCENE, *TRANSFER_TABLES, WRONG_PLACES)
         return [
             ("--mazes", self.mazes is not None, OF_RANDOM_MAZES),
             ("--scene", self.scene is not None, with_scene),
             ("--map-from", self.map_from is not None, with_scene),
-            ("--repeats", self.repeats is not None, learning),
+            ("--repeats", self.repeats is not None, (*learning, *TRANSFER_TABLES)),
             ("--discount", self.discount is not None, learning),
             ("--cooling", self.cooling is not None, learning),
-            ("--processes", self.processes is not None, learning),
-            ("--quick", self.quick, LOCALIZER_TABLES),
+            ("--processes", self.processes is not None, (*learning, *TRANSFER_TABLES)),
+            ("--quick", self.quick, (*slow, WRONG_PLACES)),
             ("--images", self.images is not None, LOCALIZER_TABLES),
             ("--device", self.device is not None, LOCALIZER_TABLES),
-            ("--networks", self.networks is not None, LOCALIZER_TABLES),
-            ("--only-finished", self.only_finished, LOCALIZER_TABLES),
+            ("--networks", self.networks is not None, (*LOCALIZER_TABLES, WRONG_PLACES)),
+            ("--only-finished", self.only_finished, slow),
+            ("--localizer", self.localizer is not None, TRANSFER_TABLES),
+            ("--base", self.base is not None, TRANSFER_TABLES),
         ]
 
 
@@ -139,6 +183,14 @@ def run_reproduce(request: ReproduceRequest) -> int:
         from twonav_cli.terminal.reproduce_localizers import run_localizers
 
         return run_localizers(request.localizer_request(), folder, request.as_json)
+    if request.table == WRONG_PLACES:
+        from twonav_cli.terminal.reproduce_fig9 import run_fig9
+
+        return run_fig9(request.fig9_request(), folder, request.as_json)
+    if request.of_transfer:
+        from twonav_cli.terminal.reproduce_transfer import run_transfer
+
+        return run_transfer(request.transfer_request(), folder, request.as_json)
     return _run_tables(request, folder)
 
 

@@ -9,9 +9,10 @@ import typer
 from twonav_cli.experiments.localizer_tables.request import PICTURES
 
 _FOR = "(table3, table4, fig7)"
+_OF_AGENTS = "(table9, table10)"
 
 QuickRowsOption = Annotated[
-    bool, typer.Option("--quick", help=f"Few frames and pictures, which show that everything works {_FOR}.")
+    bool, typer.Option("--quick", help="A small run of a slow table, which shows that everything works.")
 ]
 RowImagesOption = Annotated[
     int | None,
@@ -30,5 +31,12 @@ NetworksOption = Annotated[
     typer.Option("--networks", help=f"Only the rows of these networks, as in cnn-7,inception-9 {_FOR}."),
 ]
 OnlyFinishedOption = Annotated[
-    bool, typer.Option("--only-finished", help=f"Train nothing: print what is there {_FOR}.")
+    bool, typer.Option("--only-finished", help="Train nothing for a slow table: print what is there.")
+]
+AgentLocalizerOption = Annotated[
+    str | None,
+    typer.Option("--localizer", help=f"Poses in 3D: raw, filtered or truth {_OF_AGENTS}.", show_default="raw"),
+]
+AgentBaseOption = Annotated[
+    str | None, typer.Option("--base", help=f"omni or differential {_OF_AGENTS}.", show_default="omni")
 ]

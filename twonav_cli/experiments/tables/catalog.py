@@ -15,6 +15,7 @@ from twonav_cli.experiments.tables.table5 import table5
 from twonav_cli.experiments.tables.table6 import table6
 from twonav_cli.experiments.tables.table7 import table7
 from twonav_cli.experiments.tables.table8 import table8
+from twonav_cli.experiments.transfer.request import TABLES as TRANSFERS
 
 TABLES: dict[str, Callable[[TableRequest, Make], Report]] = {
     "table5": table5,
@@ -29,6 +30,12 @@ TABLES: dict[str, Callable[[TableRequest, Make], Report]] = {
 LOCALIZER_TABLES = tuple(PRINTED)
 """Those about localizers, whose trainings take hours: they are made by name only."""
 
+TRANSFER_TABLES = TRANSFERS
+"""Those about agents that learn in 2D and 3D, which takes hours: by name only as well."""
+
+WRONG_PLACES = "fig9"
+"""The figure about places where the camera's pose is wrong."""
+
 EVERY_TABLE = "all"
 
 
@@ -40,8 +47,9 @@ def tables_named(name: str) -> list[str]:
     """
     if name == EVERY_TABLE:
         return list(TABLES)
-    if name not in (*TABLES, *LOCALIZER_TABLES):
-        raise unknown_name("table", name, [*LOCALIZER_TABLES, *TABLES, EVERY_TABLE])
+    known = (*LOCALIZER_TABLES, *TABLES, *TRANSFER_TABLES, WRONG_PLACES)
+    if name not in known:
+        raise unknown_name("table", name, [*known, EVERY_TABLE])
     return [name]
 
 
