@@ -1,4 +1,4 @@
-"""Fig. 8 (a) and (b) as a picture: actions of a trial over the trials, single goal and multi-goal."""
+"""Fig. 8 as a picture: actions of a trial over the trials, in the maze, and in 2D and 3D where agents are there."""
 
 from __future__ import annotations
 
@@ -9,18 +9,27 @@ from matplotlib.ticker import ScalarFormatter
 from twonav_cli.experiments.tables.report import Figures, Report
 from twonav_cli.plotting.style import FLOOR_COLOUR, Look, look_of, new_figure, tidy
 
-PANELS = (("single", "(a) single goal"), ("multi", "(b) multi-goal"))
+PANELS = (("single", "(a) maze, single goal"), ("multi", "(b) maze, multi-goal"))
+STAGE_PANELS = (
+    ("2d", "(c) 2D, after the maze"), ("3d", "(d) 3D, after 2D"), ("from-nothing", "(e) 3D, from nothing"),
+)  # fmt: skip
+
+PANEL_IN, SURROUNDINGS_IN = 2.1, 1.0
 
 TICKS = (10, 20, 50, 100, 200, 500)
 
 
 def draw_fig8(report: Report) -> Figure:
-    """Return both panels on one scale."""
-    figure = new_figure(5.2)
-    panels = figure.subplots(2, 1, sharex=True, sharey=True)
-    for axes, (method, title) in zip(panels, PANELS, strict=True):
+    """Return the panels that there are, on one vertical scale; those of the maze share the other as well."""
+    stages: Figures = report.settings.get("stages") or {}
+    curves = [(report.ours[method]["curve"], look_of(method), title) for method, title in PANELS]
+    curves += [(stages[name]["curve"], look_of("multi"), title) for name, title in STAGE_PANELS if name in stages]
+    figure = new_figure(SURROUNDINGS_IN + PANEL_IN * len(curves))
+    panels = figure.subplots(len(curves), 1, sharey=True)
+    panels[0].sharex(panels[1])
+    for axes, (curve, look, title) in zip(panels, curves, strict=True):
         tidy(axes)
-        _draw_curve(axes, report.ours[method]["curve"], look_of(method))
+        _draw_curve(axes, curve, look)
         axes.set_title(title, loc="left", fontsize=10)
         axes.set_ylabel("actions of a trial")
         axes.set_yscale("log")

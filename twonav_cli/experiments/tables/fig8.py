@@ -1,7 +1,7 @@
-"""Fig. 8 (a) and (b): actions of a trial against the number of trials, in the apartment's maze (§4.4.2).
+"""Fig. 8: actions of a trial against the number of trials, in the maze, in 2D and in 3D (§4.4.2, §4.4.3).
 
-S starts, K goals in order of training, n repeats. A round is one trial from each start. (c) to (e) are about the 2D and
-3D stages and come with them.
+S starts, K goals in order of training, n repeats. A round is one trial from each start. (a) and (b), the maze, are made
+here; (c) to (e) show the agents of Tables 9 and 10 that are there.
 """
 
 from __future__ import annotations
@@ -34,10 +34,34 @@ def fig8(request: TableRequest, make: Make) -> Report:
     ours, floor, excess = step_figures(runs, request.seed)
     for name in METHODS:
         ours[name]["curve"] = curve_of([run for run in runs[name][0] if run.learned], len(maze.starts))
+    stages = stage_curves(request)
     settings = settings_of(request, methods, "multi", on_scene=True)
-    settings["panels"] = "(a) single and (b) multi; (c) to (e) come with the 2D and 3D stages"
+    settings["panels"] = "(a) single and (b) multi in the maze" + (
+        "; (c) 2D, (d) 3D and (e) 3D from nothing, of the agents that are there"
+        if stages
+        else "; for (c) to (e) make table9 and table10 first"
+    )
+    settings["stages"] = stages
     title = "Fig. 8: actions of a trial against the number of trials, and actions in all"
     return report_of(request, title, "actions", {}, ours, floor, excess, settings)
+
+
+def stage_curves(request: TableRequest) -> Figures:
+    """Return the curves of the agents that learned in 2D, in 3D, and in 3D from nothing; of those that are there."""
+    from twonav_cli.experiments.transfer.finished import finished_agents
+    from twonav_cli.experiments.transfer.request import FROM_NOTHING, TRANSFERRED, TransferRequest
+    from twonav_cli.mapping.floor import read_floor
+
+    floor = read_floor(request.scene, request.map_from)
+    agents = TransferRequest("table10", seed=request.seed, scene=request.scene, map_from=request.map_from)
+    found = finished_agents(agents, (TRANSFERRED, FROM_NOTHING), floor)
+    groups = {"2d": found[TRANSFERRED]["2d"], "3d": found[TRANSFERRED]["3d"], FROM_NOTHING: found[FROM_NOTHING]["3d"]}
+    learned = {name: [agent.run for agent in group if agent.run.learned] for name, group in groups.items()}
+    return {
+        name: {"agents": len(runs), "curve": curve_of(runs, len(floor.maze.starts))}
+        for name, runs in learned.items()
+        if runs
+    }
 
 
 def curve_of(runs: Sequence[LearningRun], starts: int) -> Figures:
