@@ -1,12 +1,19 @@
-"""Plans per second of the compiled dynamic window against plain NumPy doing the same plan.
+"""Plans per second of the compiled dynamic window against plain NumPy doing the same plan, and against PythonRobotics.
 
-Run: python benchmarks/bench_dwa.py. Both sides take turns in one process and are timed by its CPU time.
+    python benchmarks/bench_dwa.py [folder of a checkout of PythonRobotics]
+
+The sides take turns in one process and are timed by its CPU time. PythonRobotics gets as many velocities and poses, and
+the window's marks as its obstacles; it knows no cost map.
 """
 
 from __future__ import annotations
 
+import importlib.util
+import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +24,7 @@ from twonav_cli.grid import GridFrame
 from twonav_cli.navigation.costmap import CostMap
 from twonav_cli.navigation.dwa import DynamicWindow, Leg, Planner
 from twonav_cli.navigation.dwa_costs import DwaWeights
+from twonav_cli.navigation.velocity_window import DIFFERENTIAL_SAMPLES
 
 FRAME = GridFrame(0.0, 0.0, 0.05, 60, 60)
 POSE = Pose(1.05, 1.5, 0.2)
@@ -86,6 +94,48 @@ def seconds_each(work: Callable[[], object], times: int) -> float:
     return (time.process_time() - begin) / times
 
 
+def python_robotics(folder: Path, window: CostMap) -> dict[str, Callable[[], Any]]:
+    """Return what makes one plan with PythonRobotics, for its round robot and its rectangular one."""
+    path = folder / "PathPlanning" / "DynamicWindowApproach" / "dynamic_window_approach.py"
+    spec = importlib.util.spec_from_file_location("dynamic_window_approach", path)
+    assert spec is not None
+    assert spec.loader is not None
+    theirs = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(theirs)
+    rows, cols = np.nonzero(window.marks)
+    grid, height = window.grid, window.marks.shape[0]
+    xs, ys = grid.x_min_m + (cols + 0.5) * grid.resolution_m, grid.y_min_m + (height - rows - 0.5) * grid.resolution_m
+    obstacles, goal = np.column_stack([xs, ys]), np.array([LEG.target_x_m, LEG.target_y_m])
+    state = np.array([*POSE, TWIST.forward_mps, TWIST.turn_radps])
+
+    def plan_of(shape: Any) -> Callable[[], Any]:
+        config = theirs.Config()
+        config.robot_type, config.robot_radius = shape, 0.315
+        config.robot_width, config.robot_length = 0.38, 0.5
+        config.max_speed, config.max_yaw_rate = CONFIG.max_forward_mps, CONFIG.max_turn_radps
+        config.max_accel, config.max_delta_yaw_rate = CONFIG.acceleration_mps2, CONFIG.turn_acceleration_radps2
+        speeds, turns = DIFFERENTIAL_SAMPLES
+        config.v_resolution = 2 * config.max_accel * config.dt / (speeds - 0.5)
+        config.yaw_rate_resolution = 2 * config.max_delta_yaw_rate * config.dt / (turns - 0.5)
+        config.predict_time = CONFIG.rollout_poses * config.dt - 1.5 * config.dt
+        return lambda: theirs.dwa_control(state.copy(), config, goal, obstacles)
+
+    return {"round": plan_of(theirs.RobotType.circle), "rectangular": plan_of(theirs.RobotType.rectangle)}
+
+
+def compare_with_python_robotics(folder: Path, window: CostMap) -> None:
+    """Print plans per second of ours and theirs, and the ratio."""
+    planner = DynamicWindow(CONFIG, "differential")
+    for shape, plan in python_robotics(folder, window).items():
+        ours, theirs = [], []
+        for _ in range(ROUNDS):
+            ours.append(seconds_each(lambda: planner.plan(window, POSE, TWIST, LEG), 2000))
+            theirs.append(seconds_each(plan, 2))
+        fast, slow = float(np.median(ours)), float(np.median(theirs))
+        theirs_s = f"PythonRobotics, {shape} robot, {1 / slow:,.1f}"
+        print(f"differential, {1 / fast:,.0f} plans/s; {theirs_s}; ratio {slow / fast:,.0f}")
+
+
 def main() -> None:
     """Print plans per second of both, their ratio, and whether they chose the same."""
     window = doorway()
@@ -103,6 +153,8 @@ def main() -> None:
             f"{base}: {len(candidates)} velocities x {CONFIG.rollout_poses} poses, {1 / fast:,.0f} plans/s; "
             f"NumPy {1 / slow:,.1f}; ratio {slow / fast:,.0f}; same choice: {same}"
         )
+    if len(sys.argv) > 1:
+        compare_with_python_robotics(Path(sys.argv[1]), window)
 
 
 if __name__ == "__main__":
