@@ -105,10 +105,9 @@ def main() -> None:
         for seed in range(rounds):
             begun_s, ended = flat.time_s, actions_per_s(flat, agent, FLAT_ACTIONS, seed)
             periods = (flat.time_s - begun_s) / TICK_S / FLAT_ACTIONS
-            figures.append(
-                (ended, actions_per_s(deep, agent, DEEP_ACTIONS, seed), periods, theirs() if theirs else np.nan)
-            )
-        flat_s, deep_s, periods, ir_s = np.median(figures, axis=0)
+            camera = actions_per_s(deep, agent, DEEP_ACTIONS, seed)
+            figures.append((ended, camera, periods, steps_per_s(flat), theirs() if theirs else np.nan))
+        flat_s, deep_s, periods, alone, ir_s = np.median(figures, axis=0)
         ratios = [row[0] / row[1] for row in figures]
         print(
             f"{base}: 2D {flat_s:,.0f} actions/s, 3D by camera {deep_s:,.0f}; ratio {np.median(ratios):.1f} "
