@@ -24,6 +24,7 @@ from twonav_cli.experiments.transfer.tables import Figures, TransferReport, tran
 from twonav_cli.experiments.worker_pool import StoppedError, done_in_workers
 from twonav_cli.files import write_whole
 from twonav_cli.mapping.floor import Floor, read_floor
+from twonav_cli.stages.fitting import check_robot_fits
 from twonav_cli.terminal.console import progress
 from twonav_cli.terminal.interrupt import StopOnInterrupt
 from twonav_cli.terminal.map_source import tell_source
@@ -46,6 +47,7 @@ def run_transfer(request: TransferRequest, folder: Path, as_json: bool) -> int:
     floor = read_floor(request.scene, request.map_from, own_first=True)
     chains = CHAINS_OF[request.table]
     if not request.only_finished:
+        check_robot_fits(floor)
         with StopOnInterrupt("stopping: the agents go on where they were the next time") as stop:
             try:
                 _train_missing(request, chains, floor, stop)

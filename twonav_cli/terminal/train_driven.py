@@ -13,6 +13,7 @@ from twonav_cli.experiments.predecessors import STAGE_BEFORE, checkpoint_folder,
 from twonav_cli.experiments.trials import learn_in_stage
 from twonav_cli.learner.agent import Agent
 from twonav_cli.mapping.floor import Floor
+from twonav_cli.stages.fitting import check_robot_fits
 from twonav_cli.terminal.learning_place import place_of_floor
 from twonav_cli.terminal.train import ALREADY_LEARNED, USUAL_BASE, TrainRequest
 from twonav_cli.terminal.train_agent import Saver, check_same_run, metrics_of, recorded, run_started, with_progress
@@ -40,8 +41,10 @@ def train_driven(
         The outcome ("learned", ALREADY_LEARNED, "quick", "stopped" or "gave-up") and the metrics of the card.
 
     Raises:
-        TwonavError: The stage before is missing, or a checkpoint does not belong here.
+        TwonavError: The stage before is missing, a checkpoint does not belong here, or the robot does not get to a
+            goal.
     """
+    check_robot_fits(floor)
     agent = _agent(request, floor, folder)
     if request.resume and agent.progress.learned.all():
         return ALREADY_LEARNED, metrics_of(outcome_of("learned", agent))
