@@ -50,8 +50,8 @@ obstacle:
 """
 
 
-def actions_per_s(stage: Stage, agent: Agent, actions: int, seed: int) -> float:
-    """Return how many actions of exploring trials are done per second of CPU time."""
+def actions_per_s(stage: Stage, agent: Agent, actions: int, seed: int) -> tuple[float, int]:
+    """Return how many actions of exploring trials are done per second of CPU time, and how many there were."""
     agent, rng = copy.deepcopy(agent), np.random.default_rng(seed)
     starts, taken, trial = list(stage.maze.starts.values()), 0, 0
     begun_s = time.process_time()
@@ -59,7 +59,7 @@ def actions_per_s(stage: Stage, agent: Agent, actions: int, seed: int) -> float:
         goal, start = trial % len(agent.goal_names), starts[trial % len(starts)]
         taken += run_trial(stage, agent, goal, start, rng, Clock(trial, taken), to_nobody, True, True).steps
         trial += 1
-    return taken / (time.process_time() - begun_s)
+    return taken / (time.process_time() - begun_s), taken
 
 
 def steps_per_s(stage: Sim2dStage) -> float:
@@ -103,9 +103,9 @@ def main() -> None:
         actions_per_s(flat, agent, 50, 0), actions_per_s(deep, agent, 20, 0)
         figures = []
         for seed in range(rounds):
-            begun_s, ended = flat.time_s, actions_per_s(flat, agent, FLAT_ACTIONS, seed)
-            periods = (flat.time_s - begun_s) / TICK_S / FLAT_ACTIONS
-            camera = actions_per_s(deep, agent, DEEP_ACTIONS, seed)
+            begun_s, (ended, taken) = flat.time_s, actions_per_s(flat, agent, FLAT_ACTIONS, seed)
+            periods = (flat.time_s - begun_s) / TICK_S / taken
+            camera, _ = actions_per_s(deep, agent, DEEP_ACTIONS, seed)
             figures.append((ended, camera, periods, steps_per_s(flat), theirs() if theirs else np.nan))
         flat_s, deep_s, periods, alone, ir_s = np.median(figures, axis=0)
         ratios = [row[0] / row[1] for row in figures]

@@ -179,7 +179,7 @@ class TrialEnded(Event):
     steps: int
     shortest: int
     cause: str = ""
-    """Why it failed, from a closed list: "", "mislocalized", "blocked", "loop", "time-out"."""
+    """Why it failed, from a closed list (`failure_causes.CAUSES`); "" when it did not."""
     evidence: str = ""
     pose_true: Pose | None = None
     pose_estimate: Pose | None = None

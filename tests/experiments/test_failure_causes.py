@@ -9,6 +9,7 @@ from twonav_cli.belief import Belief
 from twonav_cli.experiments.failure_causes import AMBIGUOUS, CAUSES, MISLOCALIZED, failure_of
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell, GridFrame
+from twonav_cli.recording.palette import CAUSE_COLOURS
 from twonav_cli.stages.stage import Observation
 
 TRUE, BELIEVED = Pose(5.0, 1.0, 0.0), Pose(1.0, 4.0, 0.0)
@@ -41,4 +42,5 @@ def test_a_lost_robot(outcome: str, places: list[tuple[float, float, float]], ca
 def test_a_lost_robot_without_a_belief_is_mislocalized() -> None:
     look = Observation(Cell(0, 0), Cell(1, 1), TRUE, BELIEVED)
     assert failure_of("false-arrival", look, Cell(0, 0), [])[0] == MISLOCALIZED
+    assert set(CAUSE_COLOURS) == {"none", *CAUSES}
     assert set(CAUSES) == {"mislocalized", "ambiguous view", "stuck", "blocked", "loop", "time-out"}

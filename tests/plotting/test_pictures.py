@@ -27,6 +27,12 @@ WIDTH_PX = 882
 
 
 @pytest.fixture(autouse=True)
+def no_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fig. 8 shows agents that are there: none of the developer's."""
+    monkeypatch.setenv("TWONAV_RUNS", str(tmp_path / "runs"))
+
+
+@pytest.fixture(autouse=True)
 def _no_scene(monkeypatch: pytest.MonkeyPatch) -> None:
     def scene_maze(request: TableRequest) -> Maze:
         return random_maze(0, 0)

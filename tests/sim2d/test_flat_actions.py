@@ -52,6 +52,6 @@ def test_one_call_ends_where_the_cell_driver_ends_and_with_the_same_outcome(base
         assert distance_m(believed, expected) < 0.04
         outcomes.append(outcome)
         same.append(distance_m(whole.pose(), stepped.pose()) < 1e-9)
-    # Cosines differ in the last digit, and now and then two candidates are as good.
-    assert np.mean(same) > 0.6
+    # Cosines may differ in the last digit on another processor, and then two candidates that are as good part them.
+    assert np.mean(same) >= 0.9
     assert {REACHED, BLOCKED} <= set(outcomes)

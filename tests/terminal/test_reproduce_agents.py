@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from twonav_cli.experiments.transfer.request import CHAINS, FROM_NOTHING, TRANSFERRED
 from twonav_cli.experiments.worker_pool import StoppedError
 from twonav_cli.recording.reader import summarize
 from twonav_cli.terminal import reproduce_fig9, reproduce_transfer
@@ -24,7 +23,7 @@ KITCHEN = ["--scene", "kitchen", "--quick"]
 
 @pytest.fixture
 def here(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let the agents learn in this process, in the maze and in 2D only, under the name of 3D."""
+    """Let the agents learn in this process."""
 
     def in_turn(
         work: Callable[[Any], Any], jobs: Sequence[Any], processes: int, should_stop: Callable[[], bool]
@@ -35,8 +34,6 @@ def here(monkeypatch: pytest.MonkeyPatch) -> None:
             yield number, work(job)
 
     monkeypatch.setattr(reproduce_transfer, "done_in_workers", in_turn)
-    monkeypatch.setitem(CHAINS, TRANSFERRED, ("maze", "2d", "3d"))
-    monkeypatch.setitem(CHAINS, FROM_NOTHING, ("3d",))
 
 
 @pytest.mark.usefixtures("here")

@@ -95,6 +95,7 @@ def test_other_stages_refuse_the_options_of_the_maze(twonav: Twonav, stage: str,
         ("maze", ["--no-transfer"], "--no-transfer is for --stage 2d and 3d only"),
         ("all", ["--resume"], "--resume is not for --stage all"),
         ("all", ["--out", "somewhere"], "--out is not for --stage all"),
+        ("all", ["--quick"], "--quick is not for --stage all"),
     ],
 )
 def test_a_stage_refuses_what_it_does_not_use(twonav: Twonav, stage: str, arguments: list[str], said: str) -> None:

@@ -202,7 +202,7 @@ class Journey:
             self._seen.belief, self._seen.filtered,
         )  # fmt: skip
         self._paced(step)
-        return Passed(self._seen.cell, blocked)
+        return Passed(self._seen.cell, blocked, self._seen.pose_true)
 
     def _end_trial(self, goal: str, start: Cell, outcome: str, steps: int, shortest: int, passed: list[Passed]) -> None:
         explained = "reached" if outcome == "given-up" else outcome

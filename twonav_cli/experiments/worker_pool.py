@@ -62,10 +62,10 @@ def done_in_workers(
         waiting = set(futures)
         while waiting:
             ended, waiting = wait(waiting, timeout=POLL_S, return_when=FIRST_COMPLETED)
-            if should_stop():
-                raise StoppedError
             for done in ended:
                 yield futures[done], done.result()
+            if should_stop():
+                raise StoppedError
     except BrokenProcessPool as error:
         raise TwonavError(f"a worker ended unexpectedly (out of memory?): try again with {option} 1") from error
     except BaseException:

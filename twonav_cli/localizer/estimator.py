@@ -5,6 +5,8 @@ B batch.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -67,8 +69,6 @@ class Estimator:
         Raises:
             TwonavError: Missing, damaged, or made for another scene or version.
         """
-        # Pictures come one by one: two threads gain little, and stand still when another program needs a core.
-        torch.set_num_threads(1)
         arrays, card = load_checkpoint(folder, "localizer", scene_digest)
         try:
             spec, network, head = unpacked(arrays, card)
@@ -120,6 +120,24 @@ class Estimator:
                 f"the localizer needs uint8 RGB pictures of {IMAGE_PX} x {IMAGE_PX} x 3, "
                 f"not {images.dtype} {'x'.join(map(str, images.shape[1:]))}: use the camera of the scene"
             )
-        with torch.inference_mode():
+        with torch.inference_mode(), _one_thread_for(len(images)):
             pixels = torch.from_numpy(np.ascontiguousarray(images))
             return self._network(network_input(pixels, self._pictures))  # type: ignore[no-any-return]  # a module returns Any
+
+
+@contextmanager
+def _one_thread_for(pictures: int) -> Iterator[None]:
+    """Compute on one thread if there is one picture.
+
+    Two gain little there, and stand still when another program needs a core. The number of threads is that of the whole
+    process, so it is put back.
+    """
+    threads = torch.get_num_threads()
+    if pictures > 1 or threads == 1:
+        yield
+        return
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(threads)

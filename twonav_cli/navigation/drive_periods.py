@@ -342,7 +342,7 @@ def next_command(
         drives: The action's state [1], changed.
         believed: Where the robot believes to be.
         twist: How it moves now.
-        scan_m: [180] what its range finder says; not looked at while it brakes.
+        scan_m: [180] what its range finder says now.
         prune: Whether candidates that cannot win may be left unfinished; the command is the same.
     """
     drive = drives[0]

@@ -8,7 +8,7 @@ from twonav_cli.events import DriveTrace
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import GridFrame
 from twonav_cli.navigation.costmap import SUBDIVISION, inflated
-from twonav_cli.navigation.drive_periods import NOTHING_PLANNED, Board, DriveState, Setup
+from twonav_cli.navigation.drive_periods import BRAKE, NOTHING_PLANNED, Board, DriveState, Setup
 from twonav_cli.navigation.dwa import rolled_out
 
 TRACE_EVERY = 10
@@ -19,11 +19,12 @@ TRACED_CANDIDATES = 60
 
 
 def trace_is_due(drives: DriveState) -> bool:
-    """Whether the coming period is one of those that are traced.
+    """Whether the coming period is one of those that are traced: among them the first of every leg.
 
     Tracing weighs every candidate to its end, which costs four times as much.
     """
-    return int(drives["periods"][0]) % TRACE_EVERY == 0
+    # After braking the way back may begin; if it does not, nothing is weighed.
+    return int(drives["phase"][0]) == BRAKE or int(drives["periods"][0]) % TRACE_EVERY == 0
 
 
 def traced(setup: Setup, board: Board, drives: DriveState, believed: Pose) -> DriveTrace | None:

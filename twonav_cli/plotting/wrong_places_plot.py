@@ -13,7 +13,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from twonav_cli.experiments.wrong_places import LookedAround, WrongPlace
+from twonav_cli.experiments.wrong_places import WRONG_M, LookedAround, WrongPlace
 from twonav_cli.geometry import FloatArray, Pose, points_in_map
 from twonav_cli.grid import GridFrame
 from twonav_cli.plotting.style import WIDTH_IN, new_figure
@@ -87,7 +87,7 @@ def _draw_plan(
     axes.set_axis_off()
     share = 100 * len(found.wrong) / max(found.looks, 1)
     axes.set_title(
-        f"{len(found.wrong)} of {found.looks:,} looks are more than half a metre off ({share:.1f} %); "
+        f"{len(found.wrong)} of {found.looks:,} looks are more than {WRONG_M:g} m off ({share:.1f} %); "
         "blue: where the robot is, orange: where its picture says",
         loc="left", fontsize=8,
     )  # fmt: skip

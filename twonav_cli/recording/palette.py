@@ -33,10 +33,13 @@ OUTCOME_COLOURS: dict[str, int] = {
 CAUSE_COLOURS: dict[str, int] = {
     "none": 0x444444FF,
     "mislocalized": 0xCC79A7FF,
+    "ambiguous view": 0x56B4E9FF,
+    "stuck": 0x009E73FF,
     "blocked": 0xD55E00FF,
     "loop": 0xF0E442FF,
     "time-out": 0xE69F00FF,
 }
+"""Of every cause of a failure."""
 
 TRUE_COLOUR = 0x0072B2FF
 BELIEVED_COLOUR = 0xCC3399FF

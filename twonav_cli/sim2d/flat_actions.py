@@ -11,9 +11,7 @@ from twonav_cli.geometry import FloatArray, Pose, Twist
 from twonav_cli.motion import NoiseRates
 from twonav_cli.navigation.costmap import SAME_THING_M
 from twonav_cli.navigation.drive_periods import (
-    BRAKE,
     DONE,
-    STAND,
     Board,
     DriveState,
     Setup,
@@ -58,10 +56,10 @@ def decide(
         max_m: How far the range finder looks; for driving 0.7 m are enough.
         prune: Whether candidates that cannot win may be left unfinished.
     """
-    drive, body = drives[0], bodies[0]
-    if drive.phase != BRAKE and drive.phase != STAND:
-        pose = (body.x_m, body.y_m, body.theta_rad)
-        fill_scan(world.occupied, world.distance_m, world.grid, pose, max_m, scan_m)
+    body = bodies[0]
+    # Also while it brakes: the period in which it stands may be the first on its way back.
+    pose = (body.x_m, body.y_m, body.theta_rad)
+    fill_scan(world.occupied, world.distance_m, world.grid, pose, max_m, scan_m)
     twist = Twist(body.forward_mps, body.left_mps, body.turn_radps)
     return next_command(setup, board, drives, believed, twist, scan_m, prune)
 

@@ -48,7 +48,7 @@ def _regions(floor: Floor) -> NDArray[np.int32]:
 
     half_m = 0.5 * floor.map.frame.resolution_m  # a wall may end anywhere within its pixel
     room = clearance_m(floor.map.occupied, floor.map.frame) >= ROBOT_INSCRIBED_M - half_m
-    return np.asarray(label(room)[0], dtype=np.int32)
+    return np.asarray(label(room, structure=np.ones((3, 3)))[0], dtype=np.int32)  # diagonal neighbours belong together
 
 
 def _regions_in(regions: NDArray[np.int32], floor: Floor, cell: Cell) -> set[int]:

@@ -66,7 +66,9 @@ LocalizerOption = Annotated[
 ]
 CheckpointsOption = Annotated[
     Path | None,
-    typer.Option("--checkpoints", help="Folder of a scene's checkpoints (maze, localizer, 3d); default: the shipped."),
+    typer.Option(
+        "--checkpoints", help="Folder of a scene's checkpoints (map, maze, 2d, 3d, localizer); default: the shipped."
+    ),
 ]
 
 
@@ -132,7 +134,10 @@ def train(
     device: Annotated[str | None, typer.Option("--device", help="cpu, cuda or auto (localizer only).")] = None,
     base: TrainBaseOption = None,
     no_transfer: Annotated[
-        bool, typer.Option("--no-transfer", help="Learn from nothing, not from the stage before (2d and 3d only).")
+        bool,
+        typer.Option(
+            "--no-transfer", help="Learn from nothing (2d, 3d). Drive it: --out DIR/3d here, --checkpoints DIR there."
+        ),
     ] = False,
     map_from: MapFromOption = None,
     json_: JsonOption = False,
@@ -264,7 +269,7 @@ def reproduce(
         str | None,
         typer.Option(
             "--scene",
-            help="Whose maze (table7 to table10, fig8), or only whose rows (table3, table4, fig7).",
+            help="Whose maze (table7 to table10, fig8), fig9), or only whose rows (table3, table4, fig7).",
             show_default="apartment, or all rows",
         ),
     ] = None,

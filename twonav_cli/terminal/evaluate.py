@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -125,18 +124,21 @@ def _pairs(request: EvaluateRequest, floor: Floor, should_stop: Callable[[], boo
             if not pair.success:
                 bar.console.print(f"{pair.start} to {pair.goal}: {pair.outcome}, {pair.cause}")
 
-        begun_s = time.monotonic()
         if request.workers > 1:
             table = evaluate_shared(drive, floor, request.repeats, request.workers, show, should_stop)
         else:
             table = _driven_here(request, drive, floor, show, should_stop)
-        wall_s = time.monotonic() - begun_s
-    actions = sum(pair.actions for pair in table.pairs)
     settings = {
         "scene": floor.scene.name, "stage": request.stage, "localizer": request.localizer, "base": request.base,
         "seed": request.seed, "repeats": request.repeats, "workers": request.workers,
     }  # fmt: skip
-    return {**table.report(), "actions_per_s": actions / wall_s if wall_s else None, "settings": settings}
+    return {**table.report(), "settings": settings}
+
+
+def _settings(request: EvaluateRequest) -> dict[str, str]:
+    """Return what a stage looks at."""
+    base = {} if request.stage == "maze" else {"base": request.base}
+    return base | ({"localizer": request.localizer} if request.stage == "3d" else {})
 
 
 def _driven_here(
@@ -153,7 +155,7 @@ def _driven_here(
 
     stage, agent = open_drive(drive, floor)
     begun = RunStarted(
-        Clock(), "evaluate", request.stage, floor.scene.name, request.seed, {"localizer": request.localizer},
+        Clock(), "evaluate", request.stage, floor.scene.name, request.seed, _settings(request),
         floor.maze, floor.maze_frame, floor.map.occupied, floor.map.frame,
     )  # fmt: skip
     pairs = pairs_of(floor.maze, request.repeats)
@@ -194,7 +196,7 @@ def _print_pairs(report: dict[str, Any]) -> None:
     out().print(f"of 100 actions {per_100[0]} control periods at an obstacle, {per_100[1]} ends in another cell")
     out().print(
         f"an action takes {_number(report['sim_s_per_action'], 2)} s; "
-        f"{_number(report['actions_per_s'], 1)} actions per second here"
+        f"{_number(report['actions_per_s'], 1)} actions per second and process here"
     )
 
 

@@ -122,7 +122,8 @@ class ReproduceRequest:
         agents = QUICK_AGENTS if self.quick else AGENTS
         return TransferRequest(
             self.table, agents if self.repeats is None else self.repeats, self.seed, self.scene or SCENE,
-            self.localizer or "raw", self.base or "omni", self.processes or processors(), self.quick, self.map_from,
+            self.localizer or "raw", self.base or "omni", processors() if self.processes is None else self.processes,
+            self.quick, self.map_from,
             self.only_finished,
         )  # fmt: skip
 

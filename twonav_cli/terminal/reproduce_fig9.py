@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -29,7 +30,11 @@ from twonav_cli.terminal.recordings import recording
 
 FIGURE = "fig9"
 LOOKS, QUICK_LOOKS = 4000, 200
+"""Random poses from which the robot looks, and how many show that everything works (ours)."""
+
 SHOWN = 6
+"""Places that are shown with their pictures (ours)."""
+
 SECONDS_PER_PLACE = 5.0
 """Time between two places in the recording, where it is only an order."""
 
@@ -44,7 +49,6 @@ class Fig9Request:
         network: A network of the paper's, or None for ours.
         quick: Whether few looks are enough.
         map_from: "survey" or "geometry"; None as `read_floor` chooses.
-        checkpoints: Folder of a scene's checkpoints; None for those that are shipped.
     """
 
     scene: str = "apartment"
@@ -52,14 +56,13 @@ class Fig9Request:
     network: str | None = None
     quick: bool = False
     map_from: str | None = None
-    checkpoints: Path | None = None
 
     def command(self) -> str:
         """Return the command that makes the figure again."""
         parts = ["twonav", "reproduce", FIGURE, "--seed", str(self.seed), "--scene", self.scene]
         parts += [] if self.network is None else ["--networks", self.network]
         parts += ["--quick"] if self.quick else []
-        return " ".join(parts + ([] if self.map_from is None else ["--map-from", self.map_from]))
+        return shlex.join(parts + ([] if self.map_from is None else ["--map-from", self.map_from]))
 
 
 def run_fig9(request: Fig9Request, folder: Path, as_json: bool) -> int:
@@ -90,7 +93,7 @@ def _looked(request: Fig9Request, floor: Floor, should_stop: Callable[[], bool])
     from twonav_cli.scene.camera import Camera
     from twonav_cli.scene.world import World
 
-    localize = load_localize(floor, request.checkpoints, network=request.network)
+    localize = load_localize(floor, network=request.network)
     rng, count = stream(request.seed, "fig9"), QUICK_LOOKS if request.quick else LOOKS
     poses = random_poses(~floor.map.free, floor.map.frame, list(floor.scene.starts.values()), count, rng)
     world = World(floor.scene, BASES[0])

@@ -1,4 +1,4 @@
-"""The options of `twonav reproduce` that are about localizers."""
+"""The options of `twonav reproduce` that are about localizers, and about agents in 2D and 3D."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ RowImagesOption = Annotated[
         "--images",
         min=1,
         help=f"Pictures shown to each network, repeats included {_FOR}.",
-        show_default=f"{PICTURES['cnn']:,}; autoencoders {PICTURES['sda']:,}",
+        show_default=f"{PICTURES['cnn']:,}; autoencoders {PICTURES['sda']:,}; the best in the apartment 3 times",
     ),
 ]
 RowDeviceOption = Annotated[
@@ -28,7 +28,9 @@ RowDeviceOption = Annotated[
 ]
 NetworksOption = Annotated[
     str | None,
-    typer.Option("--networks", help=f"Only the rows of these networks, as in cnn-7,inception-9 {_FOR}."),
+    typer.Option(
+        "--networks", help=f"Only the rows of these networks, as in cnn-7,inception-9 {_FOR}; or whose (fig9)."
+    ),
 ]
 OnlyFinishedOption = Annotated[
     bool, typer.Option("--only-finished", help="Train nothing for a slow table: print what is there.")

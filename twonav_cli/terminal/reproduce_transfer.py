@@ -10,7 +10,6 @@ from dataclasses import asdict
 from pathlib import Path
 
 from twonav_cli.checkpoint import versions
-from twonav_cli.config import LEARNING_PRESETS
 from twonav_cli.experiments.transfer.agent_chain import (
     TRIALS_AT_MOST,
     TRIALS_FROM_NOTHING,
@@ -71,7 +70,7 @@ def _train_missing(
 ) -> None:
     """Let every agent learn that has not learned yet."""
     wanted = [AgentJob(request, chain, agent) for agent in range(request.agents) for chain in chains]
-    jobs = [job for job in wanted if finished_card(job.folder(floor, CHAINS[job.chain][-1]), floor) is None]
+    jobs = [job for job in wanted if finished_card(job, floor, CHAINS[job.chain][-1]) is None]
     if not jobs:
         return
     begun_s = time.monotonic()
@@ -97,7 +96,7 @@ def _settings(request: TransferRequest, floor: Floor) -> Figures:
         "base": request.base,
         "quick": request.quick,
         "trials_at_most": {"transferred": TRIALS_AT_MOST, "from nothing": TRIALS_FROM_NOTHING},
-        "learning": {name: asdict(LEARNING_PRESETS[name]) for name in ("maze", "2d", "3d")},
+        "learning": {name: asdict(request.learning(name)) for name in ("maze", "2d", "3d")},
         "command": request.command(),
         "versions": versions(),
     }

@@ -26,7 +26,7 @@ MARKS = "abcdefgh"
 NOT_TRAINED = "not trained"
 
 WHAT_ROWS_ARE = {
-    OWN_ROW: "our network, trained on the paper's frames as often as the paper's networks",
+    OWN_ROW: "our network, trained on the paper's frames as often as inception-9",
     BELIEF: "our network, trained on pictures at random poses, measured at the same frames",
     NEAREST: "the pose of the most alike training frame, without any learning",
 }

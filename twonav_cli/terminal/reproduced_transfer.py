@@ -102,7 +102,8 @@ def _settings(report: TransferReport) -> list[str]:
         f"{settings['learning']['3d']['consecutive_successes']} in 3D.",
     ]
     before = report.ours.get(TRANSFERRED, {}).get("minutes_before")
-    lines += [] if before is None else [f"Before 3D the transferred agents learned {before:.1f} min in maze and 2D."]
+    lines += [] if settings["scene"] == "apartment" else ["The paper's figures are of its own apartment."]
+    lines += [] if not before else [f"Before 3D the transferred agents learned {before:.1f} min in maze and 2D."]
     lines += ["A quick run, which shows no more than that everything works."] if settings["quick"] else []
     versions = ", ".join(f"{name} {number}" for name, number in settings["versions"].items())
     return [*lines, f"Versions: {versions}."]

@@ -127,7 +127,10 @@ class TrainRequest:
         Raises:
             TwonavError: Says what to leave out.
         """
-        asked = {"--out": self.out, "--record": self.record, "--network": self.network, "--resume": self.resume or None}
+        asked = {
+            "--out": self.out, "--record": self.record, "--network": self.network, "--resume": self.resume or None,
+            "--quick": self.quick or None,
+        }  # fmt: skip
         for option, given in asked.items():
             if self.stage == "all" and given is not None:
                 raise TwonavError(f"{option} is not for --stage all: leave it out, what is there already is kept")

@@ -1,4 +1,4 @@
-"""What training the agent in the maze and in 3D share: which run is gone on with, its recording, its progress."""
+"""What training the agent shares among its stages: which run is gone on with, its recording, its progress."""
 
 from __future__ import annotations
 

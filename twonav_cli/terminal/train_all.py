@@ -6,11 +6,17 @@ import json
 import sys
 import time
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from twonav_cli.checkpoint import CARD_FILE, read_card
+from twonav_cli.checkpoint import CARD_FILE, Card, read_card
 from twonav_cli.errors import TwonavError
+from twonav_cli.mapping.floor import read_floor
+from twonav_cli.mapping.known_maps import GEOMETRY
 from twonav_cli.paths import runs_dir
 from twonav_cli.terminal.train import TrainRequest, run_train
+
+if TYPE_CHECKING:
+    from twonav_cli.scene.catalog import Scene
 
 ORDER = ("map", "maze", "2d", "localizer", "3d")
 """Stages one after the other; the localizer takes the frames that are missing."""
@@ -26,22 +32,22 @@ def run_all(request: TrainRequest) -> int:
 
     scene = read_scene(request.scene_name)
     took_s: dict[str, float] = {}
-    for stage in ORDER:
+    for stage in ORDER if request.map_from != GEOMETRY else ORDER[1:]:
         own = _request_of(request, stage)
-        state = _state_of(own, scene.name, scene.digest)
+        state, command = _state_of(own, scene)
         if state == "done":
-            print(f"{stage}: there already", file=sys.stderr)
+            print(f"{stage}: there already ({command})", file=sys.stderr)
             continue
         print(f"{stage}:", file=sys.stderr)
         begun_s = time.monotonic()
         code = run_train(replace(own, resume=state == "begun" and stage != "map"))
         if code != 0:
             print(f"stopped at stage {stage}; go on with: {request.command()}", file=sys.stderr)
+            _print_json(request, scene.name, took_s, stage)
             return code
         took_s[stage] = round(time.monotonic() - begun_s, 1)
-    if request.as_json:
-        print(json.dumps({"stage": "all", "scene": scene.name, "seconds": took_s}))
-    else:
+    _print_json(request, scene.name, took_s, None)
+    if not request.as_json:
         minutes = ", ".join(f"{stage} {seconds / 60:.1f}" for stage, seconds in took_s.items()) or "nothing to do"
         print(f"minutes: {minutes}; together {sum(took_s.values()) / 60:.1f}", file=sys.stderr)
     return 0
@@ -61,18 +67,33 @@ def _request_of(request: TrainRequest, stage: str) -> TrainRequest:
     )
 
 
-def _state_of(request: TrainRequest, scene: str, digest: str) -> str:
-    """Return "done", "begun" or "missing": whether the user's own run of a stage is there, for this scene's version."""
-    folder = runs_dir() / scene / (request.stage + ("-quick" if request.quick else ""))
+def _print_json(request: TrainRequest, scene: str, took_s: dict[str, float], stopped_at: str | None) -> None:
+    """Print the one object for scripts, if it is wanted."""
+    if request.as_json:
+        print(json.dumps({"stage": "all", "scene": scene, "seconds": took_s, "stopped_at": stopped_at}))
+
+
+def _state_of(request: TrainRequest, scene: Scene) -> tuple[str, str]:
+    """Return "done", "begun" or "missing" of the user's own run of a stage, and the command that made it.
+
+    A run of another version of the scene, or of another map than the stage would use now, counts as missing.
+    """
+    folder = runs_dir() / scene.name / request.stage
     if not (folder / CARD_FILE).is_file():
         begun = request.stage == "localizer" and folder.is_dir() and any(folder.iterdir())
-        return "begun" if begun else "missing"
+        return "begun" if begun else "missing", ""
     try:
         card = read_card(folder)
     except TwonavError:
-        return "missing"
-    if card.get("scene_digest") != digest:
-        return "missing"
+        return "missing", ""
+    if card.get("scene_digest") != scene.digest or not _on_this_map(request, card):
+        return "missing", ""
     metrics = card.get("metrics", {})
     unfinished = metrics.get("unfinished") or metrics.get("goals_learned", 0) < metrics.get("goals", 0)
-    return "begun" if unfinished and not request.quick else "done"
+    return "begun" if unfinished else "done", str(card.get("command", ""))
+
+
+def _on_this_map(request: TrainRequest, card: Card) -> bool:
+    if request.stage == "map":
+        return True
+    return bool(card.get("map_digest") == read_floor(request.scene_name, request.map_from, own_first=True).map.digest)

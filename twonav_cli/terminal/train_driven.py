@@ -6,7 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from twonav_cli.checkpoint import read_card
 from twonav_cli.config import learning_preset
+from twonav_cli.errors import TwonavError
 from twonav_cli.events import Sink
 from twonav_cli.experiments.learning_progress import LearningOutcome, outcome_of
 from twonav_cli.experiments.predecessors import STAGE_BEFORE, checkpoint_folder, load_localize, make_stage
@@ -82,6 +84,9 @@ def _agent(request: TrainRequest, floor: Floor, folder: Path) -> Agent:
     scene, digest = floor.scene, floor.map.digest
     if request.resume:
         check_same_run(request, folder)
+        begun = read_card(folder).get("command")
+        if begun != request.command():
+            raise TwonavError(f"the run in {folder} was begun otherwise: go on with `{begun} --resume`")
         return Agent.load(folder, scene.digest, digest)
     config = learning_preset(request.stage)
     if not request.transfer:

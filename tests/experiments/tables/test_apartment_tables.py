@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import asdict
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,6 +20,12 @@ from twonav_cli.maze import Maze
 from twonav_cli.random_maze import random_maze
 
 MAZE = random_maze(0, 0)
+
+
+@pytest.fixture(autouse=True)
+def no_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fig. 8 shows agents that are there: none of the developer's."""
+    monkeypatch.setenv("TWONAV_RUNS", str(tmp_path / "runs"))
 
 
 @pytest.fixture(autouse=True)

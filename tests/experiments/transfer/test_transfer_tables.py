@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -67,32 +68,56 @@ def test_an_agent_learns_in_the_maze_goes_on_in_2d_and_is_driven_everywhere(floo
     assert (job.folder(floor, "2d") / "arrays.safetensors").stat().st_mtime_ns == written
 
 
-def test_an_agent_that_was_killed_while_learning_goes_on_and_ends_as_if_unbroken(
-    floor: Floor, monkeypatch: pytest.MonkeyPatch
+class KilledError(Exception):
+    """What a test kills an agent with."""
+
+
+@pytest.mark.parametrize("where", ["learn_in_stage", "evaluate_pairs"])
+def test_an_agent_that_was_killed_goes_on_and_ends_as_if_unbroken(
+    floor: Floor, monkeypatch: pytest.MonkeyPatch, where: str
 ) -> None:
-    class Killed(BaseException):
-        pass
+    job, original = AgentJob(REQUEST, FROM_NOTHING, 0), getattr(agent_chain, where)
+    run_agent(job)
+    folder = job.folder(floor, "2d")
+    whole, kept = read_card(folder), folder.rename(folder.with_name("kept"))
 
-    def dies(*arguments: object, **options: object) -> None:
-        raise Killed
+    def dies(world: Any, agent: Any, seed: int, sink: Any, *arguments: Any) -> None:
+        if where == "evaluate_pairs":
+            raise KilledError
+        asked = list[int]()
 
-    unbroken, broken = AgentJob(REQUEST, FROM_NOTHING, 0), AgentJob(replace(REQUEST, base="omni"), FROM_NOTHING, 0)
-    run_agent(unbroken)
-    whole = read_card(unbroken.folder(floor, "2d"))
-    folder = broken.folder(floor, "2d")
-    moved = folder.rename(folder.with_name("kept"))
+        def killed_before_the_third_trial() -> bool:
+            arguments[0]()  # which saves
+            asked.append(1)
+            if len(asked) == 3:
+                raise KilledError
+            return False
+
+        original(world, agent, seed, sink, killed_before_the_third_trial, *arguments[1:])
+
     monkeypatch.setattr(agent_chain, "SAVE_EVERY_S", -1.0)
     with monkeypatch.context() as patch:
-        patch.setattr(agent_chain, "evaluate_pairs", dies)
-        with pytest.raises(Killed):
-            run_agent(broken)
-    assert finished_card(folder, floor) is None
-    run_agent(broken)
+        patch.setattr(agent_chain, where, dies)
+        with pytest.raises(KilledError):
+            run_agent(job)
+    assert finished_card(job, floor, "2d") is None
+    assert read_card(folder)["metrics"]["trials"] == (2 if where == "learn_in_stage" else agent_chain.QUICK_TRIALS)
+    run_agent(job)
     again = read_card(folder)
     for key in ("trials", "steps"):
         assert again["metrics"][key] == whole["metrics"][key]
     assert again["metrics"]["history"]["trial_steps"] == whole["metrics"]["history"]["trial_steps"]
-    assert (folder / "arrays.safetensors").read_bytes() == (moved / "arrays.safetensors").read_bytes()
+    assert (folder / "arrays.safetensors").read_bytes() == (kept / "arrays.safetensors").read_bytes()
+
+
+def test_an_agent_that_was_trained_otherwise_is_refused(floor: Floor) -> None:
+    run_agent(AgentJob(REQUEST, FROM_NOTHING, 0))
+    long = AgentJob(replace(REQUEST, quick=False), FROM_NOTHING, 0)
+    folder = long.folder(floor, "2d")
+    folder.parent.mkdir(parents=True)
+    AgentJob(REQUEST, FROM_NOTHING, 0).folder(floor, "2d").rename(folder)
+    with pytest.raises(TwonavError, match="trained with other settings"):
+        finished_card(long, floor, "2d")
 
 
 def test_the_report_has_our_goals_and_the_papers_columns(floor: Floor) -> None:

@@ -52,7 +52,7 @@ def stage_curves(request: TableRequest) -> Figures:
     from twonav_cli.experiments.transfer.request import FROM_NOTHING, TRANSFERRED, TransferRequest
     from twonav_cli.mapping.floor import read_floor
 
-    floor = read_floor(request.scene, request.map_from)
+    floor = read_floor(request.scene, request.map_from, own_first=True)  # as the agents are trained
     agents = TransferRequest("table10", seed=request.seed, scene=request.scene, map_from=request.map_from)
     found = finished_agents(agents, (TRANSFERRED, FROM_NOTHING), floor)
     groups = {"2d": found[TRANSFERRED]["2d"], "3d": found[TRANSFERRED]["3d"], FROM_NOTHING: found[FROM_NOTHING]["3d"]}

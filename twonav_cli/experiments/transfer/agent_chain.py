@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from twonav_cli.checkpoint import CARD_FILE, Card, read_card
-from twonav_cli.config import LearningConfig, learning_preset
 from twonav_cli.errors import TwonavError
 from twonav_cli.events import to_all, to_nobody
 from twonav_cli.experiments.evaluation import evaluate_pairs
@@ -51,7 +50,7 @@ class AgentJob:
 
     def folder(self, floor: Floor, stage: str) -> Path:
         """Return where its agent of a stage lies."""
-        return self.request.folder(floor.scene.name, self.chain, stage, self.agent)
+        return self.request.folder(floor.scene.name, floor.map.digest, self.chain, stage, self.agent)
 
 
 def run_agent(job: AgentJob) -> int:
@@ -68,29 +67,32 @@ def run_agent(job: AgentJob) -> int:
     return int(before.progress.learned.sum())
 
 
-def finished_card(folder: Path, floor: Floor) -> Card | None:
-    """Return the card of an agent that has learned and was measured; None where there is none.
+def finished_card(job: AgentJob, floor: Floor, stage: str) -> Card | None:
+    """Return the card of an agent that has learned a stage and was measured; None where there is none.
 
     Raises:
-        TwonavError: It is damaged, or of another scene or map.
+        TwonavError: It is damaged, of another version of the scene, or was trained otherwise.
     """
-    card = _card_of(folder, floor)
+    card = _card_of(job, floor, stage)
     return card if card is not None and card.get("metrics", {}).get("done") else None
 
 
-def _card_of(folder: Path, floor: Floor) -> Card | None:
+def _card_of(job: AgentJob, floor: Floor, stage: str) -> Card | None:
+    folder = job.folder(floor, stage)
     if not (folder / CARD_FILE).is_file():
         return None
-    card = read_card(folder)
+    card, wanted = read_card(folder), asdict(job.request.learning(stage))
+    if card.get("settings") != wanted:
+        raise TwonavError(f"the agent in {folder} was trained with other settings: delete the folder to train it anew")
     if (card.get("scene_digest"), card.get("map_digest")) != (floor.scene.digest, floor.map.digest):
-        raise TwonavError(f"the agent in {folder} was trained on another map: delete the folder to train it anew")
+        raise TwonavError(f"the agent in {folder} is of another version of the scene: delete the folder to train anew")
     return card
 
 
 def _stage_run(job: AgentJob, floor: Floor, name: str, before: Agent | None) -> Agent:
     """Return the agent of a stage, trained and measured."""
     folder = job.folder(floor, name)
-    card, digests = _card_of(folder, floor), (floor.scene.digest, floor.map.digest)
+    card, digests = _card_of(job, floor, name), (floor.scene.digest, floor.map.digest)
     if card is None:
         agent = _fresh(job, floor, name, folder, before)
     else:
@@ -101,7 +103,7 @@ def _stage_run(job: AgentJob, floor: Floor, name: str, before: Agent | None) -> 
     saver = _Saver(job, floor, name, folder, agent, history)
     world = stage_of(_drive(job, name), floor)
     try:
-        if not _ended(job, agent):
+        if not _ended(job, world, agent):
             _learn(job, floor, world, agent, history, saver)
             saver.save({})
         pairs = evaluate_pairs(world, agent, job.seed, to_nobody, lambda pair: None, lambda: False).pairs
@@ -113,15 +115,11 @@ def _stage_run(job: AgentJob, floor: Floor, name: str, before: Agent | None) -> 
 
 def _fresh(job: AgentJob, floor: Floor, name: str, folder: Path, before: Agent | None) -> Agent:
     """Return the agent with which a stage begins."""
-    config = _config(job, name)
+    config = job.request.learning(name)
     if before is None:
         return Agent.for_maze(floor.maze, config, job.seed)
     earlier = CHAINS[job.chain][CHAINS[job.chain].index(name) - 1]
     return Agent.load(job.folder(floor, earlier), floor.scene.digest, floor.map.digest, config)
-
-
-def _config(job: AgentJob, name: str) -> LearningConfig:
-    return learning_preset(name, **({"consecutive_successes": 2} if job.request.quick and name != "maze" else {}))
 
 
 def _drive(job: AgentJob, name: str) -> Drive:
@@ -135,8 +133,10 @@ def _last_trial(job: AgentJob) -> int:
     return TRIALS_FROM_NOTHING if job.chain == FROM_NOTHING else TRIALS_AT_MOST
 
 
-def _ended(job: AgentJob, agent: Agent) -> bool:
-    return bool(agent.progress.learned.all()) or agent.progress.trial >= _last_trial(job)
+def _ended(job: AgentJob, world: Stage, agent: Agent) -> bool:
+    """Whether learning is over: in the maze when everything is learned, elsewhere also when it gives up."""
+    gave_up = world.name != "maze" and agent.progress.trial >= _last_trial(job)
+    return bool(agent.progress.learned.all()) or gave_up
 
 
 def _learn(job: AgentJob, floor: Floor, world: Stage, agent: Agent, history: StageHistory, saver: _Saver) -> None:
@@ -149,7 +149,8 @@ def _learn(job: AgentJob, floor: Floor, world: Stage, agent: Agent, history: Sta
         return False
 
     if world.name == "maze":
-        learn_maze(agent, floor.maze, job.seed, history, saved_and_never)
+        # Seconds, and its loop holds the replay buffer until it ends: not saved in between.
+        learn_maze(agent, floor.maze, job.seed, history, lambda: False)
     else:
         learn_in_stage(world, agent, job.seed, to_all(history), saved_and_never, _last_trial(job))
     history.wall_s = spent_s + time.monotonic() - begun_s

@@ -63,11 +63,10 @@ def finished_agents(request: TransferRequest, chains: tuple[str, ...], floor: Fl
 
 
 def _stage_of(job: AgentJob, stage: str, floor: Floor) -> FinishedStage | None:
-    folder = job.folder(floor, stage)
-    card = finished_card(folder, floor)
+    card = finished_card(job, floor, stage)
     if card is None:
         return None
-    agent = Agent.load(folder, floor.scene.digest, floor.map.digest)
+    agent = Agent.load(job.folder(floor, stage), floor.scene.digest, floor.map.digest)
     history = StageHistory.of_card(card, agent.goal_names)
     names = tuple(agent.goal_names)
     learned = tuple(name for name, done in zip(names, agent.progress.learned, strict=True) if done)

@@ -6,7 +6,7 @@ import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
-from twonav_cli.config import BASES, LOCALIZERS
+from twonav_cli.config import BASES, LOCALIZERS, LearningConfig, learning_preset
 from twonav_cli.errors import TwonavError, unknown_name
 from twonav_cli.paths import runs_dir
 from twonav_cli.rng import stream
@@ -74,11 +74,15 @@ class TransferRequest:
         """Return the seed of an agent: the same in every table."""
         return int(stream(self.seed, "agent", agent).integers(2**31))
 
-    def folder(self, scene: str, chain: str, stage: str, agent: int) -> Path:
-        """Return where an agent of a stage lies; the pose's source and the base tell 3D agents apart."""
+    def folder(self, scene: str, map_digest: str, chain: str, stage: str, agent: int) -> Path:
+        """Return where an agent of a stage lies; the map, the pose's source and the base tell agents apart."""
         kind = stage if stage == "maze" else f"{stage}-{self.base}" + (f"-{self.localizer}" if stage == "3d" else "")
         name = f"{chain}-{kind}" + ("-quick" if self.quick else "")
-        return runs_dir() / FOLDER / scene / name / f"seed{self.seed}-agent{agent}"
+        return runs_dir() / FOLDER / f"{scene}-{map_digest[:8]}" / name / f"seed{self.seed}-agent{agent}"
+
+    def learning(self, stage: str) -> LearningConfig:
+        """Return how an agent learns in a stage; in a quick run a goal counts as learned sooner."""
+        return learning_preset(stage, **({"consecutive_successes": 2} if self.quick and stage != "maze" else {}))
 
     def command(self) -> str:
         """Return the command that makes the table again."""
