@@ -332,7 +332,10 @@ def test_fig_7_without_any_frames_says_what_is_missing(twonav: Twonav, runs: Pat
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (["table3", "--repeats", "2"], "--repeats is for table5, table6, table7, table8, fig8, sensitivity, table9, table10: table3"),
+        (
+            ["table3", "--repeats", "2"],
+            "--repeats is for table5, table6, table7, table8, fig8, sensitivity, table9, table10: table3",
+        ),
         (["table3", "--mazes", "2"], "--mazes is for table5, table6, sensitivity: table3 does not use it"),
         (["table4", "--discount", "0"], "--discount is for table5"),
         (["table4", "--cooling", "once"], "--cooling is for table5"),
