@@ -1,4 +1,4 @@
-"""What is printed outside the play screen: the two consoles, the one red line of an error, progress bars."""
+"""What is printed outside the play screen: the two consoles, the one red line of an error, progress bars, tables."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress
+    from rich.table import Table
 
 
 @lru_cache(maxsize=1)
@@ -26,6 +27,16 @@ def err() -> Console:
     from rich.console import Console
 
     return Console(stderr=True, highlight=False, emoji=False)
+
+
+def new_table(*headings: str) -> Table:
+    """Return a table of figures: names in the first column, numbers in the others; headings stand at the bottom."""
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0), collapse_padding=True)
+    for number, heading in enumerate(headings):
+        table.add_column(heading, justify="right" if number else "left", vertical="bottom")
+    return table
 
 
 def fail(message: str) -> None:

@@ -19,7 +19,7 @@ from twonav_cli.experiments.localizer_tables.report import (
     LocalizerRow,
 )
 from twonav_cli.experiments.localizer_tables.request import OWN_ROW
-from twonav_cli.terminal.console import out
+from twonav_cli.terminal.console import new_table, out
 
 NONE = "-"
 MARKS = "abcdefgh"
@@ -93,13 +93,6 @@ def _print_foot(errata: Sequence[dict[str, str]], lines: Iterable[str], command:
     console.print(command, markup=False, soft_wrap=True)
 
 
-def _new_table(*headings: str) -> Table:
-    table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0), collapse_padding=True)
-    for number, heading in enumerate(headings):
-        table.add_column(heading, justify="right" if number else "left", vertical="bottom")
-    return table
-
-
 def _number(value: float | None, digits: int) -> str:
     """Return a number; one of 10 or more with a digit less."""
     if value is None:
@@ -122,7 +115,7 @@ def _printed(row: LocalizerRow, what: str, kind: Kind) -> str:
 def _beside_table(report: LocalizerReport, rows: Sequence[LocalizerRow]) -> Table:
     """Return the table in the paper's shape: position and angle, each the paper's and ours."""
     headings = ["paper\nm", "\n±", "ours\nm", "\n±", "paper\ndeg", "\n±", "ours\ndeg", "\n±", ""]
-    table = _new_table("network", *headings)
+    table = new_table("network", *headings)
     for row in rows:
         cells = []
         for kind in (POSITION, ANGLE):
@@ -139,7 +132,7 @@ def _marks(report: LocalizerReport | ErrorMapReport, scene: str, network: str) -
 
 def _spread_table(rows: Sequence[LocalizerRow], kind: Kind) -> Table:
     """Return how the errors spread on the paper's split, and how they are away from it."""
-    table = _new_table("network", *(heading for _, _, heading in SPREAD))
+    table = new_table("network", *(heading for _, _, heading in SPREAD))
     for row in rows:
         table.add_row(row.network, *(_figure(row, trial, what, kind) for trial, what, _ in SPREAD))
     return table
@@ -147,7 +140,7 @@ def _spread_table(rows: Sequence[LocalizerRow], kind: Kind) -> Table:
 
 def _budget_table(trainings: Iterable[tuple[str, Figures | None]]) -> Table:
     """Return what each training took."""
-    table = _new_table("network", "pictures\nfor poses", "\nfor layers", "epochs", "seconds", "on")
+    table = new_table("network", "pictures\nfor poses", "\nfor layers", "epochs", "seconds", "on")
     for network, took in trainings:
         if took is not None:
             device = ", ".join(str(took[name]) for name in ("device", "precision") if took[name])
@@ -160,7 +153,7 @@ def _budget_table(trainings: Iterable[tuple[str, Figures | None]]) -> Table:
 def _map_table(report: ErrorMapReport) -> Table:
     """Return the ends of every map's scale, the paper's and ours."""
     headings = ["paper\nmin", "\nmax", "ours\nmin", "\nmedian", "\nmean", "\nmax", "\nat x, y", "cells", ""]
-    table = _new_table("network", *headings)
+    table = new_table("network", *headings)
     for one in report.maps:
         table.add_row(one.network, *_map_cells(one), _marks(report, report.scene, one.network))
     for name, paper in report.missing.items():

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from twonav_cli.experiments.transfer.request import FROM_NOTHING, TRANSFERRED
 from twonav_cli.experiments.transfer.tables import Figures, TransferReport
-from twonav_cli.terminal.console import out
+from twonav_cli.terminal.console import new_table, out
 
 NONE = "-"
 
@@ -31,7 +31,7 @@ def print_transfer(report: TransferReport) -> None:
 
 def _tables_9(report: TransferReport) -> Iterable[Table]:
     """Return the goals' actions, and what the agents of either stage took and how they drove."""
-    goals = _new_table("goal", "2D", "±", "3D", "±", "shortest", "reached\nin 2D", "in 3D")
+    goals = new_table("goal", "2D", "±", "3D", "±", "shortest", "reached\nin 2D", "in 3D")
     for row in report.goals:
         stages = [row.get(name, {}) for name in ("2d", "3d")]
         shortest = next((stage["shortest_mean"] for stage in stages if stage), None)
@@ -56,7 +56,7 @@ def _share(stage: Figures) -> str:
 
 def _tables_10(report: TransferReport) -> Iterable[Table]:
     """Return what each place in the order of training took, and either way's effort."""
-    table = _new_table(
+    table = new_table(
         "goal no.", "trials\npaper", "±", "ours", "±", "actions\npaper", "±", "ours", "±", "not learned\npaper", "ours"
     )
     paper = report.paper
@@ -75,7 +75,7 @@ def _tables_10(report: TransferReport) -> Iterable[Table]:
 
 def _effort_table(ways: dict[str, Figures]) -> Table:
     """Return what learning took and how the agents drove afterwards."""
-    table = _new_table(
+    table = new_table(
         "", "agents", "learned\nall", "trials", "actions", "minutes", "success", "SPL", "collisions\nper 100",
         "wrong cells\nper 100",
     )  # fmt: skip
@@ -107,13 +107,6 @@ def _settings(report: TransferReport) -> list[str]:
     lines += ["A quick run, which shows no more than that everything works."] if settings["quick"] else []
     versions = ", ".join(f"{name} {number}" for name, number in settings["versions"].items())
     return [*lines, f"Versions: {versions}."]
-
-
-def _new_table(*headings: str) -> Table:
-    table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0), collapse_padding=True)
-    for number, heading in enumerate(headings):
-        table.add_column(heading, justify="right" if number else "left", vertical="bottom")
-    return table
 
 
 def _number(value: Any, digits: int) -> str:

@@ -12,6 +12,7 @@ from twonav_cli.errors import TwonavError
 from twonav_cli.events import Sink
 from twonav_cli.experiments.learning_progress import LearningOutcome, outcome_of
 from twonav_cli.experiments.predecessors import STAGE_BEFORE, checkpoint_folder, load_localize, make_stage
+from twonav_cli.experiments.transfer.agent_chain import TRIALS_FROM_NOTHING
 from twonav_cli.experiments.trials import learn_in_stage
 from twonav_cli.learner.agent import Agent
 from twonav_cli.mapping.floor import Floor
@@ -27,9 +28,6 @@ if TYPE_CHECKING:
 
 TRIALS = {"2d": 20_000, "3d": 1_500}
 """Trials after which learning on from the stage before gives up (ours)."""
-
-TRIALS_FROM_NOTHING = 14_000
-"""The same without a stage before (Table 10)."""
 
 QUICK_TRIALS = 6
 
