@@ -39,6 +39,7 @@ class LearningConfig:
     epsilon: float = _setting(0.1, "Share of random actions of epsilon-greedy (§4.3.1).")
     replay_period_steps: int = _setting(500, "Actions between two sweeps of the replay buffer (ours).")
     replay_batch: int = _setting(32, "Mini-batch of a replay sweep (ours).")
+    replay_learning_rate: float | None = _setting(None, "Alpha of a replay sweep; none: that of Eq. 2 (ours).")
     backups_per_step: int = _setting(20, "Backups after each action of prioritized sweeping (ours).")
     initial_td_error: float = _setting(1e4, "Entry of the TD-error table before the first visit (ours).")
     trial_limit_steps: int = _setting(500, "Actions after which a trial fails (ours).")
@@ -46,6 +47,11 @@ class LearningConfig:
     consecutive_successes: int = _setting(50, "Trials in a row that must succeed from each start (§4.3).")
     max_step_difference: float = _setting(10.0, "Mean difference in actions that still counts as learned (§4.3).")
     rewards: Rewards = field(default_factory=Rewards)
+
+    @property
+    def sweep_rate(self) -> float:
+        """Alpha of a replay sweep."""
+        return self.learning_rate if self.replay_learning_rate is None else self.replay_learning_rate
 
 
 LEARNING_PRESETS: dict[str, LearningConfig] = {

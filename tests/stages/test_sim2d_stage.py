@@ -103,6 +103,21 @@ def made_of(map_: OccupancyMap, occupied: np.ndarray) -> OccupancyMap:
     return replace(map_, pixels=np.where(occupied, np.uint8(0), map_.pixels))
 
 
+def test_in_tight_places_some_actions_end_otherwise_than_in_the_maze(floor: Floor) -> None:
+    stage, rng = Sim2dStage(floor, 0, Sim2dOptions(base="differential")), np.random.default_rng(0)
+    cells, as_in_maze, blocked_though_free = floor.maze.free_cells, 0, 0
+    for _ in range(20):
+        seen = stage.place(cells[int(rng.integers(len(cells)))])
+        for action in rng.integers(len(Action), size=10):
+            before, should = seen.true_cell, floor.maze.moved(seen.true_cell, Action(action))
+            result = stage.act(int(action), CLOCK, to_nobody)
+            seen = result.observation
+            as_in_maze += seen.true_cell == should
+            blocked_though_free += result.outcome == BLOCKED and should != before
+    assert blocked_though_free > 0
+    assert 180 <= as_in_maze < 200
+
+
 def test_a_trial_that_draws_from_its_own_stream_repeats_whatever_came_before(floor: Floor) -> None:
     stage, cell, ways = Sim2dStage(floor, 0), open_cell(floor), []
     for before in (0, 3):

@@ -46,6 +46,7 @@ def checked(config: LearningConfig) -> LearningConfig:
     """
     ranges = (
         ("learning_rate", 0 < config.learning_rate <= 1, "above 0 and at most 1"),
+        ("replay_learning_rate", 0 < config.sweep_rate <= 1, "above 0 and at most 1"),
         ("discount", 0 <= config.discount < 1, "at least 0 and below 1"),
         ("temperature", COLDEST <= config.temperature < np.inf, f"at least {COLDEST:g}"),
         ("temperature_decay", 0 < config.temperature_decay <= 1, "above 0 and at most 1"),

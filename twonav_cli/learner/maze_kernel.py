@@ -61,6 +61,7 @@ class Rules(NamedTuple):
 
     strategy: int
     learning_rate: float
+    sweep_rate: float
     discount: float
     reward_goal: float
     reward_blocked: float
@@ -145,7 +146,7 @@ def sweep_all(tables: Tables, ways: Ways, rules: Rules, first: int, last: int) -
     Copies of an experience have one target here: k updates toward it are one of rate 1 - (1 - alpha)^k, in any order.
     """
     q, counts, best, reward, discount = tables.q, tables.counts, tables.best, ways.reward, ways.discount
-    next_cells, rows, left = ways.next_cell, ways.reward_row, 1.0 - rules.learning_rate
+    next_cells, rows, left = ways.next_cell, ways.reward_row, 1.0 - rules.sweep_rate
     for cell in range(q.shape[0]):
         for g in range(first, last):
             best[cell, g] = value_of(q, cell, g)

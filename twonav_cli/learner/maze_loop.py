@@ -107,6 +107,7 @@ def rules_of(agent: Agent) -> Rules:
     return Rules(
         strategy=STRATEGIES[config.learner],
         learning_rate=float(config.learning_rate),
+        sweep_rate=float(config.sweep_rate),
         discount=float(config.discount),
         reward_goal=float(rewards.goal),
         reward_blocked=float(rewards.blocked),

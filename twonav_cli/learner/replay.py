@@ -137,4 +137,4 @@ def sweep(
     rng.shuffle(order)
     flat = q.reshape(-1, q.shape[3])
     for first in range(0, len(order), config.replay_batch):
-        apply_batch(flat, entries, targets, order[first : first + config.replay_batch], config.learning_rate)
+        apply_batch(flat, entries, targets, order[first : first + config.replay_batch], config.sweep_rate)

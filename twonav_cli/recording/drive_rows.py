@@ -64,7 +64,9 @@ class DriveRows:
             put("camera", event.image.copy(), clock)
 
     def looked(self, event: Looked) -> None:
-        """Buffer what a robot sees that stands, and where it believes to be."""
+        """Buffer what a robot sees that stands, where it is, and where it believes to be."""
+        believed = event.pose_true if event.pose_estimate is None else event.pose_estimate
+        self._file.put("pose", (event.pose_true, believed), event.clock, Detail.POSES)
         if event.pose_estimate is not None:
             self._file.put("estimate", (event.pose_true, event.pose_estimate), event.clock, Detail.POSES)
         self._file.put("camera", event.image.copy(), event.clock)

@@ -20,7 +20,9 @@ from twonav_cli.terminal.learning_place import LearningPlace
 from twonav_cli.terminal.recordings import default_recording, recording
 from twonav_cli.terminal.train import TrainRequest, card_of
 
-SHOW_EVERY_S = 0.5
+SHOW_EVERY_S, SAY_EVERY_S = 0.5, 10.0
+"""Time between two updates of the bar, and between two lines where no bar can be drawn (ours)."""
+
 SAVE_EVERY_S = 30.0
 
 Learn = Callable[[Sink], LearningOutcome]
@@ -128,14 +130,15 @@ def _progress_of(stage: str, agent: Agent) -> Iterator[Sink]:
             if numbers and not bar.console.is_terminal:
                 bar.console.print(f"{learned} of {len(agent.goal_names)} goals learned: {numbers}", soft_wrap=True)
 
-        yield _ProgressSink(show, agent)
+        yield _ProgressSink(show, agent, SHOW_EVERY_S if bar.console.is_terminal else SAY_EVERY_S)
 
 
 class _ProgressSink:
     """Shows trials, actions, success and goals learned as they come."""
 
-    def __init__(self, show: Callable[[int, str], None], agent: Agent) -> None:
+    def __init__(self, show: Callable[[int, str], None], agent: Agent, every_s: float) -> None:
         self._show = show
+        self._every_s = every_s
         self._learned = int(agent.progress.learned.sum())
         self._recent: list[bool] = []
         self._shown_at = time.monotonic()
@@ -150,7 +153,7 @@ class _ProgressSink:
             self._learned += 1
         else:
             return
-        if not isinstance(event, GoalLearned) and time.monotonic() - self._shown_at < SHOW_EVERY_S:
+        if not isinstance(event, GoalLearned) and time.monotonic() - self._shown_at < self._every_s:
             return
         self._shown_at = time.monotonic()
         share = sum(self._recent) / max(len(self._recent), 1)
