@@ -235,6 +235,21 @@ def test_a_kidnapped_robot_is_carried_not_placed_and_looks_at_once(agent: Agent)
     assert isinstance(events[at - 1], Kidnapped)
 
 
+def test_a_robot_that_fits_nowhere_but_in_one_cell_is_carried_there(agent: Agent) -> None:
+    class Narrow(CarriedStage):
+        def carry(self, cell: Cell) -> Observation:
+            if cell != Cell(0, 1):
+                raise TwonavError("the robot does not fit")
+            return super().carry(cell)
+
+    stage = Narrow(CORRIDOR)
+    wishes = FakeWishes(kidnaps={2: True})
+    Journey(stage, FRAME, agent, np.random.default_rng(0), lambda event: None, wishes).run(
+        ["right"], Cell(0, 3), stay=False
+    )
+    assert stage.carried == [Cell(0, 1)]
+
+
 def test_a_move_by_hand_replaces_the_agents_action_once(travel: Travel) -> None:
     visits, events = travel("right", wishes=FakeWishes(moves={1: int(Action.LEFT)}))
     actions = [step.action for step in of_kind(events, StepTaken) if isinstance(step, StepTaken)]

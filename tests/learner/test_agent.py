@@ -109,6 +109,7 @@ def test_a_new_goal_starts_warm_and_unconfirmed(agent: Agent) -> None:
         {"temperature": 0.0},
         {"learning_rate": 0.0},
         {"learning_rate": 1.1},
+        {"replay_learning_rate": 0.0},
         {"epsilon": 1.5},
         {"replay_period_steps": 0},
         {"exploration": "greedy"},

@@ -42,12 +42,15 @@ def learned_action_by_action(agent: Agent, maze: Maze, loop: MazeLoop, trials: i
 
 
 @pytest.mark.parametrize("exploration", ["boltzmann", "epsilon-greedy"])
-@pytest.mark.parametrize("learning_rate", [1.0, 0.3])
-def test_the_loop_leaves_the_tables_that_observe_leaves(exploration: str, learning_rate: float) -> None:
+@pytest.mark.parametrize(("learning_rate", "sweep_rate"), [(1.0, None), (0.3, None), (0.8, 0.1)])
+def test_the_loop_leaves_the_tables_that_observe_leaves(
+    exploration: str, learning_rate: float, sweep_rate: float | None
+) -> None:
     maze = small_maze()
     config = LearningConfig(
-        learning_rate=learning_rate, exploration=exploration, replay_period_steps=37, trial_limit_steps=60
-    )
+        learning_rate=learning_rate, exploration=exploration, replay_period_steps=37, trial_limit_steps=60,
+        replay_learning_rate=sweep_rate,
+    )  # fmt: skip
     fast, slow = Agent.for_maze(maze, config), Agent.for_maze(maze, config)
     fast.progress.begin_goal(1)
     slow.progress.begin_goal(1)

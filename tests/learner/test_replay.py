@@ -46,6 +46,12 @@ def test_an_experience_made_twice_is_swept_twice() -> None:
     assert q[0, 1, 3, 0] == 10.0 + 0.5 * 90.0 + 0.5 * 45.0
 
 
+def test_a_sweep_may_have_a_rate_of_its_own() -> None:
+    q = swept(corridor(), LearningConfig(learning_rate=0.8, replay_learning_rate=0.1))
+    assert q[0, 1, 3, 0] == 10.0 + 0.1 * 90.0
+    assert LearningConfig(learning_rate=0.8).sweep_rate == 0.8
+
+
 def test_contradicting_experiences_are_swept_in_an_order_that_the_seed_decides() -> None:
     replay = corridor()
     replay.add(Experience(B, 3, B, True))

@@ -10,6 +10,7 @@ import pytest
 from room_texts import TWO_GOALS
 
 from twonav_cli.checkpoint import read_card
+from twonav_cli.paths import checkpoints_dir
 from twonav_cli.recording.reader import summarize
 from twonav_cli.terminal import train_all, train_driven
 from twonav_cli.terminal.train import TrainRequest
@@ -59,6 +60,13 @@ def test_an_agent_learns_on_in_2d_is_measured_there_and_can_be_watched(
 def test_without_the_stage_before_the_command_that_makes_it_is_named(twonav: Twonav, scene: Path) -> None:
     ended = twonav("train", "--stage", "3d", "--scene", scene, "--no-record")
     assert "twonav train --stage 2d" in ended.complaint
+
+
+def test_the_card_of_an_agent_in_3d_names_the_localizer_that_it_learned_with(twonav: Twonav, runs: Path) -> None:
+    ended = twonav("train", "--stage", "3d", "--scene", "kitchen", "--quick", "--json", "--no-record")
+    assert (ended.code, ended.only_object()["outcome"]) == (0, "quick")
+    localizer = read_card(checkpoints_dir() / "kitchen" / "localizer")
+    assert read_card(runs / "kitchen" / "3d-quick")["localizer_sha256"] == localizer["sha256"]
 
 
 def test_from_nothing_the_agent_is_another_one_and_lies_elsewhere(twonav: Twonav, runs: Path, scene: Path) -> None:

@@ -274,12 +274,22 @@ class Journey:
     def _kidnap(self) -> None:
         """Carry the robot to another free cell at random, without telling it."""
         before = self._seen.pose_true or Pose(*self.frame.centre_of(self._seen.true_cell), 0.0)
-        free = [cell for cell in self.maze.free_cells if cell != self._seen.true_cell] or self.maze.free_cells
-        self._seen = self.stage.carry(free[int(self._rng.integers(len(free)))])
+        self._seen = self._carried_away()
         after = self._seen.pose_true or Pose(*self.frame.centre_of(self._seen.true_cell), 0.0)
         self._sink(Kidnapped(self._clock(), before, after))
         tell_look(self._seen, self._clock(), self._sink)
         self._sink(Note(self._clock(), "WARN", f"kidnapped: carried to ({after.x_m:.1f}, {after.y_m:.1f}) m"))
+
+    def _carried_away(self) -> Observation:
+        """Carry the robot to another free cell in which it fits, and return what it sees there."""
+        free = [cell for cell in self.maze.free_cells if cell != self._seen.true_cell] or list(self.maze.free_cells)
+        while True:
+            cell = free.pop(int(self._rng.integers(len(free))))
+            try:
+                return self.stage.carry(cell)
+            except TwonavError:
+                if not free:
+                    raise
 
     def _paced(self, event: Event) -> None:
         """Hand an event on and let simulated time pass as fast as the person wants."""

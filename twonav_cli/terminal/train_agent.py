@@ -95,13 +95,20 @@ class Saver:
         folder: Where to.
         agent: What.
         command: On the card, when it is not the request's.
+        made_with: What else the card says of how the agent was made.
     """
 
     def __init__(
-        self, request: TrainRequest, place: LearningPlace, folder: Path, agent: Agent, command: str | None = None
+        self,
+        request: TrainRequest,
+        place: LearningPlace,
+        folder: Path,
+        agent: Agent,
+        command: str | None = None,
+        made_with: dict[str, Any] | None = None,
     ) -> None:
         self._request, self._place, self._folder, self._agent = request, place, folder, agent
-        self._command = command or request.command()
+        self._told = {"command": command or request.command(), **(made_with or {})}
         self._saved_at = time.monotonic()
 
     def due(self) -> bool:
@@ -115,7 +122,7 @@ class Saver:
 
     def save(self, metrics: dict[str, Any]) -> None:
         """Write the agent with its card."""
-        self._agent.save(self._folder, {**card_of(self._request, self._place, metrics), "command": self._command})
+        self._agent.save(self._folder, {**card_of(self._request, self._place, metrics), **self._told})
         self._saved_at = time.monotonic()
 
 

@@ -17,6 +17,7 @@ from twonav_cli.experiments.trials import learn_in_stage
 from twonav_cli.learner.agent import Agent
 from twonav_cli.mapping.floor import Floor
 from twonav_cli.stages.fitting import check_robot_fits
+from twonav_cli.stages.opening import localizer_folder
 from twonav_cli.terminal.learning_place import place_of_floor
 from twonav_cli.terminal.train import ALREADY_LEARNED, USUAL_BASE, TrainRequest
 from twonav_cli.terminal.train_agent import Saver, check_same_run, metrics_of, recorded, run_started, with_progress
@@ -49,7 +50,7 @@ def train_driven(
     if request.resume and agent.progress.learned.all():
         return ALREADY_LEARNED, metrics_of(outcome_of("learned", agent))
     stage, place = _stage(request, floor), place_of_floor(floor)
-    saver = Saver(request, place, folder, agent)
+    saver = Saver(request, place, folder, agent, made_with=_made_with(request, floor))
 
     def saved_and_asked() -> bool:
         saver.save_if_due()
@@ -97,6 +98,13 @@ def _agent(request: TrainRequest, floor: Floor, folder: Path) -> Agent:
 def _stage(request: TrainRequest, floor: Floor) -> Stage:
     localize = load_localize(floor, own_first=True) if request.stage == "3d" else None
     return make_stage(floor, request.stage, localize, request.seed, _options(request))
+
+
+def _made_with(request: TrainRequest, floor: Floor) -> dict[str, Any]:
+    """Return which localizer an agent in 3D learns with, for its card."""
+    if request.stage != "3d":
+        return {}
+    return {"localizer_sha256": read_card(localizer_folder(floor, own_first=True))["sha256"]}
 
 
 def _options(request: TrainRequest) -> Sim2dOptions | Sim3dOptions:
