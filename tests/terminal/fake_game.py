@@ -114,7 +114,8 @@ def fake_belief(*places: tuple[float, float, float], lost: float = 0.1) -> Belie
 class FakeGame:
     """Walks the shortest way to every goal that is asked for; `pause_s` is the time between ticks."""
 
-    def __init__(self, pause_s: float = 0.0) -> None:
+    def __init__(self, pause_s: float = 0.0, stage: str = "3d") -> None:
+        self.stage = stage
         self.maze = fake_maze()
         self.q = fake_q(self.maze)
         self.cell = Cell(12, 23)
@@ -124,7 +125,7 @@ class FakeGame:
 
     def began(self) -> list[Event]:
         started = RunStarted(
-            self.clock, "play", "3d", "apartment", 1, {}, self.maze, MAZE_FRAME, fake_map(self.maze), FRAME
+            self.clock, "play", self.stage, "apartment", 1, {}, self.maze, MAZE_FRAME, fake_map(self.maze), FRAME
         )
         return [started, QSnapshot(self.clock, self.q)]
 

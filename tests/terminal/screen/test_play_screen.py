@@ -27,9 +27,9 @@ from twonav_cli.terminal.screen.simulation_thread import SimulationThread
 Body = Callable[[PlayScreen, FakeGame, "Pilot[None]"], Awaitable[None]]
 
 
-def on_screen(body: Body, size: tuple[int, int] = (80, 24), keys: str | None = None) -> FakeGame:
+def on_screen(body: Body, size: tuple[int, int] = (80, 24), keys: str | None = None, stage: str = "3d") -> FakeGame:
     """Run a body against a screen that shows the made-up game."""
-    game = FakeGame()
+    game = FakeGame(stage=stage)
     simulation = SimulationThread(game.play)
     app = PlayScreen(simulation, "twonav: test", keys)
 
@@ -148,6 +148,19 @@ def test_tab_enlarges_one_panel_after_another_and_comes_back() -> None:
     on_screen(body)
 
 
+def test_without_a_camera_its_room_is_the_plans() -> None:
+    async def body(app: PlayScreen, game: FakeGame, pilot: Pilot[None]) -> None:
+        visible = []
+        for _ in range(3):
+            await pilot.press("tab")
+            await pilot.pause(0.1)
+            visible.append([n for n in ("plan", "camera", "numbers") if app.query_one(f"#{n}").region.area > 0])
+        assert visible == [["plan"], ["numbers"], ["plan", "numbers"]]
+        assert app.query_one("#plan").region.width == 80
+
+    on_screen(body, stage="2d")
+
+
 def test_scripted_keys_play_a_game_and_leave() -> None:
     async def body(app: PlayScreen, game: FakeGame, pilot: Pilot[None]) -> None:
         await until(lambda: any(isinstance(c, Quit) for c in game.asked), pilot)
@@ -206,6 +219,10 @@ def test_the_panels_fill_the_terminal_and_leave_two_lines(cols: int, rows: int) 
     assert spaces.plan[1] == spaces.camera[1]
     assert spaces.plan[1] + spaces.numbers_rows + 2 == rows
     assert spaces.numbers_rows >= 7
+    alone = layout(cols, rows, 376 / 192, camera=False)
+    assert alone.plan[0] == cols
+    assert alone.plan[1] + alone.numbers_rows + 2 == rows
+    assert alone.plan[1] >= spaces.plan[1]
 
 
 @pytest.mark.parametrize("key", [b"\x03", b"q"])

@@ -113,6 +113,7 @@ class PlayScreen(App[None], inherit_bindings=False):
         self._coloured = not colour_refused()
         self._plan: Plan | None = None
         self._alone = ""
+        self._has_camera = True
         self._notice: tuple[str, bool, float] = ("", False, 0.0)
         self._new_goals: list[str] = []
         """Names of goals that the simulation was asked to add, so that they can be asked for at once."""
@@ -150,7 +151,7 @@ class PlayScreen(App[None], inherit_bindings=False):
 
     def _share_space(self) -> None:
         aspect = self._plan.aspect if self._plan else USUAL_ASPECT
-        spaces = layout(self.size.width, self.size.height, aspect, self._alone)
+        spaces = layout(self.size.width, self.size.height, aspect, self._alone, self._has_camera)
         for name, (cols, rows) in (("plan", spaces.plan), ("camera", spaces.camera)):
             widget = self.query_one(f"#{name}")
             widget.display = rows > 0
@@ -185,6 +186,7 @@ class PlayScreen(App[None], inherit_bindings=False):
             self._notify(event.text, bad=event.level != "INFO")
         elif isinstance(event, RunStarted | GoalAdded):
             self._plan = game_view.plan_of_game(self.state)
+            self._has_camera = self.state.run is None or self.state.run.stage == "3d"
             words = [*self.state.goal_names, *VOCABULARY]
             self.query_one("#prompt", Input).suggester = SuggestFromList(words, case_sensitive=False)
             self._share_space()
@@ -297,7 +299,7 @@ class PlayScreen(App[None], inherit_bindings=False):
         if prompt.display:
             prompt.action_cursor_right()
             return
-        order = ("", *PANELS)
+        order = ("", *(panel for panel in PANELS if panel != "camera" or self._has_camera))
         self._alone = order[(order.index(self._alone) + places) % len(order)]
         self._share_space()
 
