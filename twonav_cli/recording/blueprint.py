@@ -72,8 +72,9 @@ def drive_blueprint(goals: list[str], frame: GridFrame, replay: Replay | None, *
         camera: Whether the robot has one, and so has to estimate where it is.
     """
     seen = [views.camera()] if camera else []
+    pictured = ", what its picture says (violet)" if camera else ""
     left = rrb.Vertical(
-        views.map_view(frame, "Map: is (blue), believes (magenta), last look (orange), what its picture says (violet)"),
+        views.map_view(frame, f"Map: is (blue), believes (magenta), last look (orange){pictured}"),
         views.states(),
         row_shares=[7, 2],
     )
