@@ -61,6 +61,9 @@ def _trials_tab(timeline: str) -> rrb.DataframeView:
     return rrb.DataframeView(origin="/trials", name="Trials", query=query)
 
 
+MAP_TITLE, PICTURE_TITLE = "Map: is (blue), believes (magenta), last look (orange)", ", what its picture says (violet)"
+
+
 def drive_blueprint(goals: list[str], frame: GridFrame, replay: Replay | None, *, camera: bool = True) -> rrb.Blueprint:
     """Lay out a run in which a robot drives.
 
@@ -72,9 +75,8 @@ def drive_blueprint(goals: list[str], frame: GridFrame, replay: Replay | None, *
         camera: Whether the robot has one, and so has to estimate where it is.
     """
     seen = [views.camera()] if camera else []
-    pictured = ", what its picture says (violet)" if camera else ""
     left = rrb.Vertical(
-        views.map_view(frame, f"Map: is (blue), believes (magenta), last look (orange){pictured}"),
+        views.map_view(frame, MAP_TITLE + (PICTURE_TITLE if camera else "")),
         views.states(),
         row_shares=[7, 2],
     )

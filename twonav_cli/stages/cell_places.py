@@ -5,7 +5,26 @@ from __future__ import annotations
 import numpy as np
 
 from twonav_cli.grid import Cell, GridFrame
+from twonav_cli.mapping.floor import Floor
 from twonav_cli.maze import Maze
+
+
+class Headings:
+    """Which way the robot looks where it is put: as the scene says at a start, else any way."""
+
+    def __init__(self, floor: Floor, rng: np.random.Generator) -> None:
+        self.rng = rng
+        """Where headings are drawn from that the scene does not name."""
+        self._known = {floor.maze.starts[name]: pose.theta_rad for name, pose in floor.scene.starts.items()}
+
+    def drawn(self, cell: Cell) -> float:
+        """Return a heading, radians."""
+        known = self._known.get(cell)
+        return float(self.rng.uniform(-np.pi, np.pi)) if known is None else known
+
+    def usual(self, cell: Cell) -> float:
+        """Return the scene's heading, radians, or 0 where it names none."""
+        return self._known.get(cell, 0.0)
 
 
 def beyond(frame: GridFrame, cell: Cell, action: int) -> tuple[float, float]:

@@ -23,7 +23,7 @@ from twonav_cli.sim2d.flat_actions import carry_out, decide, drive_action
 from twonav_cli.sim2d.flat_body import SCAN_MAX_M, FlatBody, fits, put
 from twonav_cli.sim2d.flat_laser import BEAMS
 from twonav_cli.sim2d.flat_world import flat_world
-from twonav_cli.stages.cell_places import beyond, nearest_free_cells
+from twonav_cli.stages.cell_places import Headings, beyond, nearest_free_cells
 from twonav_cli.stages.stage import ActionResult, Observation
 
 HEADINGS = 16
@@ -65,8 +65,7 @@ class Sim2dStage:
         self._setup = setup_for(drive, base, map_.occupied, map_.frame)
         self._board, self._drives = new_board(self._setup), new_drive()
         self._scan_m = np.empty(BEAMS)
-        self._headings = {floor.maze.starts[name]: pose.theta_rad for name, pose in floor.scene.starts.items()}
-        self._placing = stream(seed, "placing")
+        self._headings = Headings(floor, stream(seed, "placing"))
         self._snap = nearest_free_cells(floor.maze)
 
     @property
@@ -81,7 +80,7 @@ class Sim2dStage:
 
     def draw_from(self, rng: np.random.Generator) -> None:
         """Draw odometry's errors and headings from a stream from here on."""
-        self.body.errors = self._placing = rng
+        self.body.errors = self._headings.rng = rng
 
     def place(self, cell: Cell) -> Observation:
         """Put the robot at the centre of a cell, with the scene's heading if the cell is a start.
@@ -89,9 +88,7 @@ class Sim2dStage:
         Raises:
             TwonavError: Its outline does not fit there at any heading.
         """
-        heading = self._headings.get(cell)
-        if heading is None:
-            heading = float(self._placing.uniform(-np.pi, np.pi))
+        heading = self._headings.drawn(cell)
         x_m, y_m = self.frame.centre_of(cell)
         for turn_rad in np.arange(HEADINGS) * (2 * np.pi / HEADINGS):
             if fits(self.world, x_m, y_m, heading + turn_rad):

@@ -22,7 +22,7 @@ from twonav_cli.scene.camera import Camera
 from twonav_cli.scene.laser import RangeFinder
 from twonav_cli.scene.robot_body import RobotBody
 from twonav_cli.scene.world import World
-from twonav_cli.stages.cell_places import beyond, nearest_free_cells
+from twonav_cli.stages.cell_places import Headings, beyond, nearest_free_cells
 from twonav_cli.stages.localize import STILL, Image, Localize, Located
 from twonav_cli.stages.stage import ActionResult, Observation
 
@@ -67,8 +67,7 @@ class Sim3dStage:
         self._laser = RangeFinder(self.world)
         self._body = RobotBody(self.world, self._laser, self.options.noise, stream(seed, "odometry"))
         self._driver = CellDriver(self.options.drive, self.options.base, floor.map.occupied, floor.map.frame)
-        self._headings = {floor.maze.starts[name]: pose.theta_rad for name, pose in floor.scene.starts.items()}
-        self._placing = stream(seed, "placing")
+        self._headings = Headings(floor, stream(seed, "placing"))
         self._snap = nearest_free_cells(floor.maze)
         self._believed = self.world.pose()
 
@@ -85,7 +84,7 @@ class Sim3dStage:
     def draw_from(self, rng: np.random.Generator) -> None:
         """Draw odometry's errors, headings and the filter's particles from a stream from here on."""
         self._body.draw_from(rng)
-        self._placing = rng
+        self._headings.rng = rng
         if self.localize is not None:
             self.localize.draw_from(rng)
 
@@ -104,10 +103,7 @@ class Sim3dStage:
         return self._carry_to(self._pose_in(cell))
 
     def _pose_in(self, cell: Cell) -> Pose:
-        heading = self._headings.get(cell)
-        if heading is None:
-            heading = float(self._placing.uniform(-np.pi, np.pi))
-        return Pose(*self.frame.centre_of(cell), heading)
+        return Pose(*self.frame.centre_of(cell), self._headings.drawn(cell))
 
     def _carry_to(self, pose: Pose) -> Observation:
         self.world.place(pose)
@@ -117,7 +113,7 @@ class Sim3dStage:
     def picture(self, cell: Cell) -> tuple[Pose, Image]:
         """Put the robot into a cell and return where it stands and what it sees, without asking the localizer."""
         x_m, y_m = self.frame.centre_of(cell)
-        self.world.place(Pose(x_m, y_m, self._headings.get(cell, 0.0)))
+        self.world.place(Pose(x_m, y_m, self._headings.usual(cell)))
         return self.world.pose(), self.camera.image()
 
     def look(self, motion: Pose = STILL) -> Observation:
