@@ -1,10 +1,9 @@
-"""How often an action of the 2D simulator does not end as in the maze: the paper's blocked and wrong cells (§4.3.1).
+"""How often an action of the 2D simulator does not end as in the maze: the paper's blocked and wrong cells (§4.4.2).
 
     python benchmarks/tight_corners.py [actions]
 
-From random free cells, at random headings, random actions are taken, twenty from each place. Counted are those that
-end blocked though the neighbouring cell is free in the maze, and those after which the robot stands in another cell
-than it should.
+From random free cells random actions are taken, twenty from each place. Counted are those that end blocked though the
+neighbouring cell is free in the maze, and those after which the robot stands in another cell than it should.
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ def endings(floor: Floor, base: str, actions: int) -> tuple[Counter[str], Counte
         except TwonavError:
             continue  # the outline fits there at no heading
         for action in rng.integers(len(Action), size=FROM_EACH_PLACE):
-            before, should = seen.true_cell, floor.maze.moved(seen.true_cell, Action(action))
+            before, should = seen.true_cell, floor.maze.moved(seen.cell, Action(action))
             result = stage.act(int(action), Clock(), to_nobody)
             seen = result.observation
             if result.outcome != REACHED and should != before:

@@ -109,7 +109,8 @@ def test_without_a_localizer_there_is_no_belief_and_no_summary_of_looks(tmp_path
     path = record(tmp_path / "run.rrd", "3d", [rehearsal.started(), looked(False, Clock(1, 0, 0.0))])
     found = batches_of(path)
     assert not column(found["/metrics/confidence/estimate"], "Scalars:scalars")
-    assert np.ravel(column(found["/metrics/position_error/estimate"], "Scalars:scalars")) == pytest.approx([0.7])
+    for pose in ("estimate", "believed"):
+        assert np.ravel(column(found[f"/metrics/position_error/{pose}"], "Scalars:scalars")) == pytest.approx([0.7])
     assert summarize(path).looks is None
 
 

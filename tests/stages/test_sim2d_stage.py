@@ -109,7 +109,7 @@ def test_in_tight_places_some_actions_end_otherwise_than_in_the_maze(floor: Floo
     for _ in range(20):
         seen = stage.place(cells[int(rng.integers(len(cells)))])
         for action in rng.integers(len(Action), size=10):
-            before, should = seen.true_cell, floor.maze.moved(seen.true_cell, Action(action))
+            before, should = seen.true_cell, floor.maze.moved(seen.cell, Action(action))
             result = stage.act(int(action), CLOCK, to_nobody)
             seen = result.observation
             as_in_maze += seen.true_cell == should

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from twonav_cli.belief import Belief
+from twonav_cli.errors import TwonavError
 from twonav_cli.events import Clock, Event, Filtered, Tick, to_nobody
 from twonav_cli.geometry import Pose, compose, distance_m
 from twonav_cli.grid import Cell, GridFrame
@@ -240,6 +241,26 @@ def test_a_robot_that_is_carried_looks_but_is_not_told(lying: MakeLiar, floor: F
     seen = stage.carry(free_with_free_neighbours(floor))
     assert seen.true_cell == free_with_free_neighbours(floor)
     assert stage.localize.told == ["forget", STILL, STILL]
+
+
+def test_a_robot_is_carried_only_where_it_touches_nothing(
+    stage: Sim3dStage, floor: Floor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    headings: list[float] = []
+
+    def touching() -> list[str]:
+        headings.append(stage.world.pose().theta_rad)
+        return ["chair"] if len(headings) < 3 else []
+
+    with monkeypatch.context() as patch:
+        patch.setattr(stage.world, "touching", touching)
+        seen = stage.carry(free_with_free_neighbours(floor))
+    assert seen.pose_true is not None
+    assert len(set(headings)) == 3
+    assert seen.pose_true.theta_rad == pytest.approx(headings[-1])
+    monkeypatch.setattr(stage.world, "touching", lambda: ["chair"])
+    with pytest.raises(TwonavError, match="whichever way it looks"):
+        stage.carry(free_with_free_neighbours(floor))
 
 
 def test_what_the_localizer_says_of_a_picture_is_seen(shared: Sim3dStage, floor: Floor) -> None:

@@ -34,6 +34,7 @@ class Drive:
         checkpoints: Folder of a scene's checkpoints; None for those that are shipped.
         map_from: "survey", "geometry" or None.
         watched: Whether every control period is sent, with what the controller weighed.
+        own_first: Whether a localizer of the user's own goes before the shipped one.
     """
 
     scene: str
@@ -44,6 +45,7 @@ class Drive:
     checkpoints: Path | None = None
     map_from: str | None = None
     watched: bool = False
+    own_first: bool = False
 
 
 def open_drive(drive: Drive, floor: Floor) -> tuple[Stage, Agent]:
@@ -69,7 +71,7 @@ def stage_of(drive: Drive, floor: Floor) -> Stage:
     localize = None
     if drive.stage == "3d" and drive.localizer != "truth":
         filtered = drive.localizer == "filtered"
-        localize = load_localize(floor, drive.checkpoints, filtered=filtered, seed=drive.seed)
+        localize = load_localize(floor, drive.checkpoints, drive.own_first, filtered=filtered, seed=drive.seed)
     return make_stage(floor, drive.stage, localize, drive.seed, _options(drive))
 
 

@@ -69,7 +69,7 @@ def done_in_workers(
     except BrokenProcessPool as error:
         raise TwonavError(f"a worker ended unexpectedly (out of memory?): try again with {option} 1") from error
     except BaseException:
-        # A worker keeps nothing, so what is under way can be broken off.
+        # What a worker keeps it writes whole, so what is under way can be broken off.
         for worker in multiprocessing.active_children():
             if worker not in others:
                 worker.terminate()

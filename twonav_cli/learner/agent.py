@@ -338,10 +338,19 @@ class Agent:
         return agent
 
 
+def saved_settings(card: dict[str, Any]) -> LearningConfig:
+    """Return the settings on an agent's card; those that it does not name are the usual ones.
+
+    Raises:
+        KeyError, TypeError: It has none, or they are of another version.
+    """
+    settings = dict(card["settings"])
+    return LearningConfig(**{**settings, "rewards": Rewards(**settings["rewards"])})
+
+
 def _agent_from(arrays: dict[str, NDArray[Any]], card: dict[str, Any], config: LearningConfig | None) -> Agent:
     goals = {str(name): Cell(int(row), int(col)) for name, row, col in card["goals"]}
-    settings = dict(card["settings"])
-    saved = LearningConfig(**{**settings, "rewards": Rewards(**settings["rewards"])})
+    saved = saved_settings(card)
     starts, seed = len(arrays["consecutive"]), int(card["agent_seed"])
     agent = Agent(arrays["free"].astype(np.bool_), goals, starts, config or saved, seed)
     for name in ("q", "td"):

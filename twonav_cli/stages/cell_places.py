@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
+from twonav_cli.errors import TwonavError
 from twonav_cli.grid import Cell, GridFrame
 from twonav_cli.mapping.floor import Floor
 from twonav_cli.maze import Maze
+
+HEADINGS = 16
+"""Headings that are tried where the robot does not fit at the one it was to have (ours)."""
 
 
 class Headings:
@@ -22,9 +28,20 @@ class Headings:
         known = self._known.get(cell)
         return float(self.rng.uniform(-np.pi, np.pi)) if known is None else known
 
+    def tried(self, cell: Cell) -> Iterator[float]:
+        """Give one heading after the other, radians, until the robot fits; the first is that of `drawn`."""
+        first = self.drawn(cell)
+        for number in range(HEADINGS):
+            yield first + number * (2 * np.pi / HEADINGS)
+
     def usual(self, cell: Cell) -> float:
         """Return the scene's heading, radians, or 0 where it names none."""
         return self._known.get(cell, 0.0)
+
+
+def no_room(cell: Cell) -> TwonavError:
+    """Return the error of a robot that fits into a cell at no heading."""
+    return TwonavError(f"the robot does not fit into the cell {tuple(cell)}, whichever way it looks")
 
 
 def beyond(frame: GridFrame, cell: Cell, action: int) -> tuple[float, float]:

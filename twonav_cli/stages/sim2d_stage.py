@@ -10,7 +10,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from twonav_cli.config import DriveConfig, OdometryNoise
-from twonav_cli.errors import TwonavError
 from twonav_cli.events import Clock, Sink, Tick
 from twonav_cli.geometry import Pose
 from twonav_cli.grid import Cell, GridFrame
@@ -23,11 +22,8 @@ from twonav_cli.sim2d.flat_actions import carry_out, decide, drive_action
 from twonav_cli.sim2d.flat_body import SCAN_MAX_M, FlatBody, fits, put
 from twonav_cli.sim2d.flat_laser import BEAMS
 from twonav_cli.sim2d.flat_world import flat_world
-from twonav_cli.stages.cell_places import Headings, beyond, nearest_free_cells
+from twonav_cli.stages.cell_places import Headings, beyond, nearest_free_cells, no_room
 from twonav_cli.stages.stage import ActionResult, Observation
-
-HEADINGS = 16
-"""Headings that are tried where the robot does not fit at the one it was to have (ours)."""
 
 
 @dataclass(frozen=True)
@@ -88,13 +84,12 @@ class Sim2dStage:
         Raises:
             TwonavError: Its outline does not fit there at any heading.
         """
-        heading = self._headings.drawn(cell)
         x_m, y_m = self.frame.centre_of(cell)
-        for turn_rad in np.arange(HEADINGS) * (2 * np.pi / HEADINGS):
-            if fits(self.world, x_m, y_m, heading + turn_rad):
-                put(self.body.state, x_m, y_m, heading + turn_rad)
+        for heading_rad in self._headings.tried(cell):
+            if fits(self.world, x_m, y_m, heading_rad):
+                put(self.body.state, x_m, y_m, heading_rad)
                 return self._observed()
-        raise TwonavError(f"the robot does not fit into the cell {tuple(cell)}, whichever way it looks")
+        raise no_room(cell)
 
     def carry(self, cell: Cell) -> Observation:
         """Put the robot into another free cell; in 2D it knows at once where it is."""

@@ -22,7 +22,7 @@ from twonav_cli.scene.camera import Camera
 from twonav_cli.scene.laser import RangeFinder
 from twonav_cli.scene.robot_body import RobotBody
 from twonav_cli.scene.world import World
-from twonav_cli.stages.cell_places import Headings, beyond, nearest_free_cells
+from twonav_cli.stages.cell_places import Headings, beyond, nearest_free_cells, no_room
 from twonav_cli.stages.localize import STILL, Image, Localize, Located
 from twonav_cli.stages.stage import ActionResult, Observation
 
@@ -90,7 +90,7 @@ class Sim3dStage:
 
     def place(self, cell: Cell) -> Observation:
         """Put the robot at the centre of a cell, with the scene's heading if the cell is a start."""
-        return self.place_at(self._pose_in(cell))
+        return self.place_at(Pose(*self.frame.centre_of(cell), self._headings.drawn(cell)))
 
     def place_at(self, pose: Pose) -> Observation:
         """Put the robot at any pose and look; what it saw before is forgotten."""
@@ -99,11 +99,17 @@ class Sim3dStage:
         return self._carry_to(pose)
 
     def carry(self, cell: Cell) -> Observation:
-        """Put the robot into a cell and look, without telling it: whoever filters believes what it believed."""
-        return self._carry_to(self._pose_in(cell))
+        """Put the robot into a cell and look, without telling it: whoever filters believes what it believed.
 
-    def _pose_in(self, cell: Cell) -> Pose:
-        return Pose(*self.frame.centre_of(cell), self._headings.drawn(cell))
+        Raises:
+            TwonavError: There it touches something at any heading.
+        """
+        for heading_rad in self._headings.tried(cell):
+            pose = Pose(*self.frame.centre_of(cell), wrap_angle(heading_rad))
+            self.world.place(pose)
+            if not self.world.touching():
+                return self._carry_to(pose)
+        raise no_room(cell)
 
     def _carry_to(self, pose: Pose) -> Observation:
         self.world.place(pose)

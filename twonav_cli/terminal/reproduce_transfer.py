@@ -11,11 +11,10 @@ from pathlib import Path
 
 from twonav_cli.checkpoint import versions
 from twonav_cli.experiments.transfer.agent_chain import (
-    TRIALS_AT_MOST,
-    TRIALS_FROM_NOTHING,
     AgentJob,
     finished_card,
     run_agent,
+    trials_at_most,
 )
 from twonav_cli.experiments.transfer.finished import finished_agents
 from twonav_cli.experiments.transfer.request import CHAINS, CHAINS_OF, TransferRequest
@@ -95,7 +94,7 @@ def _settings(request: TransferRequest, floor: Floor) -> Figures:
         "localizer": request.localizer,
         "base": request.base,
         "quick": request.quick,
-        "trials_at_most": {"transferred": TRIALS_AT_MOST, "from nothing": TRIALS_FROM_NOTHING},
+        "trials_at_most": {chain: trials_at_most(chain, request.quick) for chain in CHAINS},
         "learning": {name: asdict(request.learning(name)) for name in ("maze", "2d", "3d")},
         "command": request.command(),
         "versions": versions(),

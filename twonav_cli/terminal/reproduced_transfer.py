@@ -13,6 +13,14 @@ from twonav_cli.terminal.console import new_table, out
 
 NONE = "-"
 
+MEANS = {
+    "table9": "Means are over agents, starts and goals that were reached; ± is the deviation from agent to agent, "
+    "averaged over the pairs.",
+    "table10": "Means and deviations (±) are over the agents that learned the goal; the actions to it are the mean "
+    "over the starts from which it was reached afterwards.",
+}
+"""What the figures of each table are."""
+
 
 def print_transfer(report: TransferReport) -> None:
     """Print a table with everything that belongs to it."""
@@ -31,23 +39,22 @@ def print_transfer(report: TransferReport) -> None:
 
 def _tables_9(report: TransferReport) -> Iterable[Table]:
     """Return the goals' actions, and what the agents of either stage took and how they drove."""
-    goals = new_table("goal", "2D", "±", "3D", "±", "shortest", "reached\nin 2D", "in 3D")
+    goals = new_table("goal", "2D", "±", "shortest", "reached", "3D", "±", "shortest", "reached")
     for row in report.goals:
-        stages = [row.get(name, {}) for name in ("2d", "3d")]
-        shortest = next((stage["shortest_mean"] for stage in stages if stage), None)
-        goals.add_row(row["goal"], *_of_stages(stages), _number(shortest, 1), *(_share(stage) for stage in stages))
+        goals.add_row(row["goal"], *_of_stages([row.get(name, {}) for name in ("2d", "3d")]))
     ours = [report.ours.get(name, {}) for name in ("2d", "3d")]
-    shortest = next((stage["shortest_mean"] for stage in ours if stage.get("pairs")), None)
-    goals.add_row("all, ours", *_of_stages(ours), _number(shortest, 1), *(_share(stage) for stage in ours))
+    goals.add_row("all, ours", *_of_stages(ours))
     paper = [report.paper[name] for name in ("2d", "3d")]
-    cells = [cell for column in paper for cell in (_number(column["mean"], 1), _number(column["std"], 1))]
-    goals.add_row("all, the paper's", *cells, NONE, NONE, NONE)
+    printed = [(_number(column["mean"], 1), _number(column["std"], 1), NONE, NONE) for column in paper]
+    goals.add_row("all, the paper's", *(cell for cells in printed for cell in cells))
     yield goals
     yield _effort_table({"2D": ours[0], "3D": ours[1]})
 
 
 def _of_stages(stages: list[Figures]) -> list[str]:
-    return [_number(stage.get(key), 1) for stage in stages for key in ("actions_mean", "actions_std")]
+    """Return actions, their deviation, the shortest ways of the same pairs and how many were reached, of each stage."""
+    keys = ("actions_mean", "actions_std", "shortest_mean")
+    return [cell for stage in stages for cell in (*(_number(stage.get(key), 1) for key in keys), _share(stage))]
 
 
 def _share(stage: Figures) -> str:
@@ -96,8 +103,7 @@ def _settings(report: TransferReport) -> list[str]:
     lines = [
         f"{settings['scene']}, seed {settings['seed']}, {settings['agents']} agents, {settings['base']} base, "
         f"3D poses: {settings['localizer']}, map of the {settings['map']}.",
-        "Means are over agents, starts and goals that were reached; ± is the deviation from agent to agent, averaged "
-        "over the pairs.",
+        MEANS[report.table],
         f"Learned: {settings['learning']['2d']['consecutive_successes']} successes in a row from each start in 2D, "
         f"{settings['learning']['3d']['consecutive_successes']} in 3D.",
     ]

@@ -16,6 +16,8 @@ from twonav_cli.paths import runs_dir
 from twonav_cli.terminal.train import TrainRequest, run_train
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from twonav_cli.scene.catalog import Scene
 
 ORDER = ("map", "maze", "2d", "localizer", "3d")
@@ -79,18 +81,34 @@ def _state_of(request: TrainRequest, scene: Scene) -> tuple[str, str]:
     A run of another version of the scene, or of another map than the stage would use now, counts as missing.
     """
     folder = runs_dir() / scene.name / request.stage
+    if request.stage == "localizer" and _training_is_begun(folder):
+        return "begun", ""
     if not (folder / CARD_FILE).is_file():
-        begun = request.stage == "localizer" and folder.is_dir() and any(folder.iterdir())
-        return "begun" if begun else "missing", ""
+        return "missing", ""
     try:
         card = read_card(folder)
     except TwonavError:
         return "missing", ""
     if card.get("scene_digest") != scene.digest or not _on_this_map(request, card):
         return "missing", ""
+    return "begun" if _is_unfinished(request.stage, card) else "done", str(card.get("command", ""))
+
+
+def _training_is_begun(folder: Path) -> bool:
+    """Whether a network is half trained in a folder."""
+    from twonav_cli.localizer.training_state import STATE_FILE
+
+    return (folder / STATE_FILE).exists()
+
+
+def _is_unfinished(stage: str, card: Card) -> bool:
+    """Whether a run left a card but is not at its end: goals are left to learn, or a network was not measured."""
     metrics = card.get("metrics", {})
-    unfinished = metrics.get("unfinished") or metrics.get("goals_learned", 0) < metrics.get("goals", 0)
-    return "begun" if unfinished else "done", str(card.get("command", ""))
+    if stage == "localizer":
+        from twonav_cli.terminal.train_localizer import MEASURED
+
+        return MEASURED not in metrics
+    return bool(metrics.get("unfinished") or metrics.get("goals_learned", 0) < metrics.get("goals", 0))
 
 
 def _on_this_map(request: TrainRequest, card: Card) -> bool:

@@ -83,9 +83,12 @@ def _agent(request: TrainRequest, floor: Floor, folder: Path) -> Agent:
     scene, digest = floor.scene, floor.map.digest
     if request.resume:
         check_same_run(request, folder)
-        begun = read_card(folder).get("command")
-        if begun != request.command():
+        card = read_card(folder)
+        if (begun := card.get("command")) != request.command():
             raise TwonavError(f"the run in {folder} was begun otherwise: go on with `{begun} --resume`")
+        now = _made_with(request, floor)
+        if any(card.get(key, value) != value for key, value in now.items()):
+            raise TwonavError(f"the run in {folder} was begun with another localizer: train it anew, without --resume")
         return Agent.load(folder, scene.digest, digest)
     config = learning_preset(request.stage)
     if not request.transfer:

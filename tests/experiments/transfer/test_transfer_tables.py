@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from twonav_cli.checkpoint import read_card
+from twonav_cli.checkpoint import read_card, signed
 from twonav_cli.errors import TwonavError
 from twonav_cli.events import Clock, GoalChosen, TrialEnded
 from twonav_cli.experiments.paper_errata import errata_of
@@ -120,12 +121,37 @@ def test_an_agent_that_was_trained_otherwise_is_refused(floor: Floor) -> None:
         finished_card(long, floor, "2d")
 
 
+def test_a_card_from_before_a_setting_came_is_that_of_the_usual_one(floor: Floor) -> None:
+    job = AgentJob(REQUEST, FROM_NOTHING, 0)
+    run_agent(job)
+    path = job.folder(floor, "2d") / "card.json"
+    card = read_card(path.parent)
+    del card["settings"]["replay_learning_rate"]
+    path.write_text(json.dumps(signed(card)))
+    assert finished_card(job, floor, "2d") is not None
+
+
+def test_an_agent_that_learned_with_another_localizer_is_refused(floor: Floor, monkeypatch: pytest.MonkeyPatch) -> None:
+    job = AgentJob(REQUEST, FROM_NOTHING, 0)
+    monkeypatch.setattr(agent_chain, "_localizer", lambda *_: "one")
+    run_agent(job)
+    assert finished_card(job, floor, "2d") is not None
+    monkeypatch.setattr(agent_chain, "_localizer", lambda *_: "another")
+    with pytest.raises(TwonavError, match="another localizer"):
+        finished_card(job, floor, "2d")
+
+
 def test_the_report_has_our_goals_and_the_papers_columns(floor: Floor) -> None:
     for agent in range(2):
         run_agent(AgentJob(REQUEST, TRANSFERRED, agent))
     found = finished_agents(REQUEST, (TRANSFERRED,), floor)
-    found[TRANSFERRED]["3d"] = found[TRANSFERRED]["2d"]
+    found[TRANSFERRED]["3d"] = [
+        replace(agent, pairs=tuple(replace(pair, actions=2 * pair.actions) for pair in agent.pairs))
+        for agent in found[TRANSFERRED]["2d"]
+    ]
     report = transfer_report(REQUEST, found, {})
+    assert report.ours["3d"]["actions_mean"] == 2 * report.ours["2d"]["actions_mean"]
+    assert report.goals[0]["3d"]["actions_mean"] == 2 * report.goals[0]["2d"]["actions_mean"]
     assert [row["goal"] for row in report.goals] == list(floor.maze.goals)
     assert report.ours["2d"]["pairs"] == 50
     assert report.ours["2d"]["actions_mean"] == pytest.approx(9.88, abs=0.3)
@@ -141,7 +167,7 @@ def test_table_10_counts_who_did_not_learn_and_stands_beside_transfer(floor: Flo
     for chain in found.values():
         chain["3d"] = chain["2d"]
     report = transfer_report(request, found, {})
-    assert report.goals[0]["not_learned"] == 1
+    assert [row["not_learned"] for row in report.goals] == [1] * len(floor.maze.goals)
     assert report.goals[0]["trials"]["mean"] is None
     assert report.ours[TRANSFERRED]["driven"]["success_rate"] == 1.0
     assert report.ours[FROM_NOTHING]["agents"] == 1

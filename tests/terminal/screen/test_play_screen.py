@@ -161,6 +161,24 @@ def test_without_a_camera_its_room_is_the_plans() -> None:
     on_screen(body, stage="2d")
 
 
+def test_an_impatient_tab_leaves_no_empty_camera_behind() -> None:
+    game = FakeGame(stage="2d")
+    simulation = SimulationThread(game.play)
+    app = PlayScreen(simulation, "twonav: test")
+
+    async def run() -> None:
+        async with app.run_test(size=(80, 24)) as pilot:
+            await pilot.press("tab", "tab")  # the camera alone, before anything is known
+            simulation.start()
+            await until(lambda: app.state.run is not None, pilot)
+            await pilot.pause(0.2)
+            assert app.query_one("#plan").region.width == 80
+            await pilot.press("tab")
+
+    asyncio.run(run())
+    simulation.result()
+
+
 def test_scripted_keys_play_a_game_and_leave() -> None:
     async def body(app: PlayScreen, game: FakeGame, pilot: Pilot[None]) -> None:
         await until(lambda: any(isinstance(c, Quit) for c in game.asked), pilot)

@@ -12,6 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from twonav_cli.errors import TwonavError
 from twonav_cli.experiments.learning_run import LearningRun
 from twonav_cli.experiments.statistics import rounded
 from twonav_cli.experiments.tables.method_runs import Make, run_methods
@@ -34,20 +35,30 @@ def fig8(request: TableRequest, make: Make) -> Report:
     ours, floor, excess = step_figures(runs, request.seed)
     for name in METHODS:
         ours[name]["curve"] = curve_of([run for run in runs[name][0] if run.learned], len(maze.starts))
-    stages = stage_curves(request)
     settings = settings_of(request, methods, "multi", on_scene=True)
-    settings["panels"] = "(a) single and (b) multi in the maze" + (
-        "; (c) 2D, (d) 3D and (e) 3D from nothing, of the agents that are there"
-        if stages
-        else "; for (c) to (e) make table9 and table10 first"
-    )
-    settings["stages"] = stages
+    settings["stages"], further = _stages_there(request)
+    settings["panels"] = f"(a) single and (b) multi in the maze; {further}"
     title = "Fig. 8: actions of a trial against the number of trials, and actions in all"
     return report_of(request, title, "actions", {}, ours, floor, excess, settings)
 
 
+def _stages_there(request: TableRequest) -> tuple[Figures, str]:
+    """Return the curves of (c) to (e) that can be drawn, and what is to be said of them."""
+    try:
+        stages = stage_curves(request)
+    except TwonavError as error:
+        return {}, f"without (c) to (e): {error}"
+    if not stages:
+        return {}, "for (c) to (e) make table9 and table10 first"
+    return stages, "(c) 2D, (d) 3D and (e) 3D from nothing, of the agents that are there"
+
+
 def stage_curves(request: TableRequest) -> Figures:
-    """Return the curves of the agents that learned in 2D, in 3D, and in 3D from nothing; of those that are there."""
+    """Return the curves of the agents that learned in 2D, in 3D, and in 3D from nothing; of those that are there.
+
+    Raises:
+        TwonavError: One of them is damaged, or was trained otherwise.
+    """
     from twonav_cli.experiments.transfer.finished import finished_agents
     from twonav_cli.experiments.transfer.request import FROM_NOTHING, TRANSFERRED, TransferRequest
     from twonav_cli.mapping.floor import read_floor

@@ -21,8 +21,9 @@ from twonav_cli.experiments.shared_evaluation import Drive, stage_of
 from twonav_cli.experiments.transfer.request import CHAINS, FROM_NOTHING, TransferRequest
 from twonav_cli.experiments.transfer.stage_history import StageHistory
 from twonav_cli.experiments.trials import learn_in_stage
-from twonav_cli.learner.agent import Agent
+from twonav_cli.learner.agent import Agent, saved_settings
 from twonav_cli.mapping.floor import Floor, read_floor
+from twonav_cli.stages.opening import localizer_folder
 
 if TYPE_CHECKING:
     from twonav_cli.stages.stage import Stage
@@ -81,12 +82,30 @@ def _card_of(job: AgentJob, floor: Floor, stage: str) -> Card | None:
     folder = job.folder(floor, stage)
     if not (folder / CARD_FILE).is_file():
         return None
-    card, wanted = read_card(folder), asdict(job.request.learning(stage))
-    if card.get("settings") != wanted:
+    card = read_card(folder)
+    if not _is_trained_so(job, card, stage):
         raise TwonavError(f"the agent in {folder} was trained with other settings: delete the folder to train it anew")
     if (card.get("scene_digest"), card.get("map_digest")) != (floor.scene.digest, floor.map.digest):
         raise TwonavError(f"the agent in {folder} is of another version of the scene: delete the folder to train anew")
+    known = card.get("localizer_sha256")
+    if known is not None and known != _localizer(job, floor, stage):
+        raise TwonavError(f"the agent in {folder} learned with another localizer: delete the folder to train it anew")
     return card
+
+
+def _is_trained_so(job: AgentJob, card: Card, stage: str) -> bool:
+    """Whether a card's settings are those of the request; a setting that came later counts as the usual one."""
+    try:
+        return saved_settings(card) == job.request.learning(stage)
+    except (KeyError, TypeError):
+        return False
+
+
+def _localizer(job: AgentJob, floor: Floor, stage: str) -> str | None:
+    """Return the checksum of the localizer that tells an agent in 3D where it is; None where none is asked."""
+    if stage != "3d" or job.request.localizer == "truth":
+        return None
+    return str(read_card(localizer_folder(floor, own_first=True))["sha256"])
 
 
 def _stage_run(job: AgentJob, floor: Floor, name: str, before: Agent | None) -> Agent:
@@ -106,7 +125,9 @@ def _stage_run(job: AgentJob, floor: Floor, name: str, before: Agent | None) -> 
         if not _ended(job, world, agent):
             _learn(job, floor, world, agent, history, saver)
             saver.save({})
-        pairs = evaluate_pairs(world, agent, job.seed, to_nobody, lambda pair: None, lambda: False).pairs
+        # As everybody drives it who loads it: with nothing in its replay buffer.
+        driven = Agent.load(folder, *digests, job.request.learning(name))
+        pairs = evaluate_pairs(world, driven, job.seed, to_nobody, lambda pair: None, lambda: False).pairs
     finally:
         world.close()
     saver.save({"done": True, "pairs": [asdict(pair) for pair in pairs]})
@@ -124,13 +145,20 @@ def _fresh(job: AgentJob, floor: Floor, name: str, folder: Path, before: Agent |
 
 def _drive(job: AgentJob, name: str) -> Drive:
     request = job.request
-    return Drive(request.scene, name, request.localizer, request.base, job.seed, None, request.map_from)
+    return Drive(
+        request.scene, name, request.localizer, request.base, job.seed, map_from=request.map_from, own_first=True
+    )
+
+
+def trials_at_most(chain: str, quick: bool) -> int:
+    """Return after how many trials of a stage an agent of a chain gives up."""
+    if quick:
+        return QUICK_TRIALS
+    return TRIALS_FROM_NOTHING if chain == FROM_NOTHING else TRIALS_AT_MOST
 
 
 def _last_trial(job: AgentJob) -> int:
-    if job.request.quick:
-        return QUICK_TRIALS
-    return TRIALS_FROM_NOTHING if job.chain == FROM_NOTHING else TRIALS_AT_MOST
+    return trials_at_most(job.chain, job.request.quick)
 
 
 def _ended(job: AgentJob, world: Stage, agent: Agent) -> bool:
@@ -181,6 +209,7 @@ class _Saver:
             "map_digest": floor.map.digest,
             "stage": self._stage,
             "command": job.request.command(),
+            **({"localizer_sha256": found} if (found := _localizer(job, self._floor, self._stage)) else {}),
             "seed": job.seed,
             "metrics": {"trials": told.trials, "steps": told.steps, "history": self._history.kept(), **metrics},
         }

@@ -112,7 +112,7 @@ def _mean_actions(agent: FinishedStage) -> float:
 def _table10(request: TransferRequest, found: Finished) -> tuple[list[Figures], Figures, Figures]:
     """Return a row for every place in the order of training, the paper's columns, and what either way took."""
     agents = found[FROM_NOTHING]["3d"]
-    places = max((len(agent.run.goal_order) for agent in agents), default=0)
+    places = max((len(agent.goals) for agent in agents), default=0)
     paper = {
         **{name: asdict_of(column) for name, column in TABLE_10.items()},
         "not_reached": list(TABLE_10_NOT_REACHED),

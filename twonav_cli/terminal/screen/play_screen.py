@@ -187,6 +187,8 @@ class PlayScreen(App[None], inherit_bindings=False):
         elif isinstance(event, RunStarted | GoalAdded):
             self._plan = game_view.plan_of_game(self.state)
             self._has_camera = self.state.run is None or self.state.run.stage == "3d"
+            if self._alone == "camera" and not self._has_camera:
+                self._alone = ""
             words = [*self.state.goal_names, *VOCABULARY]
             self.query_one("#prompt", Input).suggester = SuggestFromList(words, case_sensitive=False)
             self._share_space()
