@@ -39,9 +39,9 @@ def _draw_goals(axes: Axes, report: TransferReport) -> None:
     for place, (stage, look) in enumerate(STAGE_LOOKS.items()):
         rows = [row.get(stage, {}) for row in report.goals]
         known = [(number, row) for number, row in enumerate(rows) if row.get("actions_mean") is not None]
-        _draw_marks(axes, known, "actions_mean", "actions_std", look, f"ours, {stage}", NUDGE * (2 * place - 1))
+        _draw_marks(axes, known, "actions_mean", "actions_std", look, f"ours, {stage.upper()}", NUDGE * (2 * place - 1))
         average = report.paper[stage]["mean"]
-        axes.axhline(average, color=look.colour, linewidth=1.0, linestyle=":", label=f"paper, {stage}, all goals")
+        axes.axhline(average, color=look.colour, linewidth=1.0, linestyle=":", label=f"paper, {stage.upper()}, all goals")
     for number, row in enumerate(report.goals):
         shortest = next((row[stage]["shortest_mean"] for stage in STAGE_LOOKS if stage in row), None)
         if shortest is not None:
