@@ -6,6 +6,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogFormatter
 
 from twonav_cli.experiments.transfer.tables import Figures, TransferReport
 from twonav_cli.plotting.style import FLOOR_COLOUR, PAPER_COLOUR, Look, new_figure, tidy
@@ -41,7 +42,9 @@ def _draw_goals(axes: Axes, report: TransferReport) -> None:
         known = [(number, row) for number, row in enumerate(rows) if row.get("actions_mean") is not None]
         _draw_marks(axes, known, "actions_mean", "actions_std", look, f"ours, {stage.upper()}", NUDGE * (2 * place - 1))
         average = report.paper[stage]["mean"]
-        axes.axhline(average, color=look.colour, linewidth=1.0, linestyle=":", label=f"paper, {stage.upper()}, all goals")
+        axes.axhline(
+            average, color=look.colour, linewidth=1.0, linestyle=":", label=f"paper, {stage.upper()}, all goals"
+        )
     for number, row in enumerate(report.goals):
         shortest = next((row[stage]["shortest_mean"] for stage in STAGE_LOOKS if stage in row), None)
         if shortest is not None:
@@ -62,6 +65,8 @@ def _draw_places(axes: Axes, report: TransferReport, what: str, label: str) -> N
     printed = report.paper[what]["goals"]
     axes.plot(range(1, len(printed) + 1), [goal["mean"] for goal in printed], label="paper", **PAPER)
     axes.set_yscale("log")
+    axes.yaxis.set_major_formatter(LogFormatter())
+    axes.yaxis.set_minor_formatter(LogFormatter(minor_thresholds=(1.5, 0.5)))
     axes.set_xticks(range(1, max(len(rows), len(printed)) + 1))
     axes.set_xlabel("goal, in order of training")
     axes.set_ylabel(label)

@@ -83,8 +83,8 @@ def _tables_10(report: TransferReport) -> Iterable[Table]:
 def _effort_table(ways: dict[str, Figures]) -> Table:
     """Return what learning took and how the agents drove afterwards."""
     table = new_table(
-        "", "agents", "learned\nall", "trials", "actions", "minutes", "success", "SPL", "collisions\nper 100",
-        "wrong cells\nper 100",
+        "", "agents that\nlearned all", "trials", "actions", "minutes", "success", "SPL", "collisions\nper 100",
+        "wrong\ncells\nper 100",
     )  # fmt: skip
     for name, way in ways.items():
         driven = way.get("driven", way)
@@ -94,7 +94,8 @@ def _effort_table(ways: dict[str, Figures]) -> Table:
         ]
         rates = [_number(driven.get(f"{key}_per_100_actions"), 2) for key in ("collisions", "wrong_cells")]
         quality = [_number(driven.get(key), 3) for key in ("success_rate", "spl")]
-        table.add_row(name, str(way.get("agents", 0)), str(way.get("learned_all", 0)), *effort, *quality, *rates)
+        learned = f"{way.get('learned_all', 0)} of {way.get('agents', 0)}"
+        table.add_row(name, learned, *effort, *quality, *rates)
     return table
 
 
