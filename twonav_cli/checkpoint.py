@@ -59,9 +59,8 @@ def save_checkpoint(folder: Path, arrays: Arrays, card: Card) -> Path:
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
         "versions": versions(),
     }
-    text = (
-        json.dumps(signed(full), indent=2) + "\n"
-    )  # before the first file is replaced: the gap is as short as it can be
+    # Made before the first file is replaced: the gap is as short as it can be.
+    text = json.dumps(signed(full), indent=2) + "\n"
     write_whole(folder / ARRAYS_FILE, content)
     write_whole(folder / CARD_FILE, text)
     return folder

@@ -282,7 +282,7 @@ class Journey:
 
     def _carried_away(self) -> Observation:
         """Carry the robot to another free cell in which it fits, and return what it sees there."""
-        free = [cell for cell in self.maze.free_cells if cell != self._seen.true_cell] or list(self.maze.free_cells)
+        free = [cell for cell in self.maze.free_cells if cell != self._seen.true_cell] or self.maze.free_cells
         while True:
             cell = free.pop(int(self._rng.integers(len(free))))
             try:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from twonav_cli.checkpoint import read_card
 from twonav_cli.checkpoint_folders import checkpoint_folder, localizer_name
 from twonav_cli.errors import TwonavError
 from twonav_cli.geometry import Pose
@@ -40,6 +41,15 @@ def localizer_folder(
     scene, digest = floor.scene, floor.map.digest
     name = localizer_name(network)
     return checkpoint_folder(scene.name, name, chosen, own_first, scene.digest, digest, floor.map_source)
+
+
+def localizer_sha256(floor: Floor, own_first: bool = False) -> str:
+    """Return the checksum of the localizer that `load_localize` loads.
+
+    Raises:
+        TwonavError: There is none, or its card is damaged.
+    """
+    return str(read_card(localizer_folder(floor, own_first=own_first))["sha256"])
 
 
 def load_localize(

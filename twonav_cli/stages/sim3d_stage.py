@@ -96,7 +96,8 @@ class Sim3dStage:
         """Put the robot at any pose and look; what it saw before is forgotten."""
         if self.localize is not None:
             self.localize.forget()
-        return self._carry_to(pose)
+        self.world.place(pose)
+        return self._looked_from_here()
 
     def carry(self, cell: Cell) -> Observation:
         """Put the robot into a cell and look, without telling it: whoever filters believes what it believed.
@@ -105,14 +106,13 @@ class Sim3dStage:
             TwonavError: There it touches something at any heading.
         """
         for heading_rad in self._headings.tried(cell):
-            pose = Pose(*self.frame.centre_of(cell), wrap_angle(heading_rad))
-            self.world.place(pose)
+            self.world.place(Pose(*self.frame.centre_of(cell), wrap_angle(heading_rad)))
             if not self.world.touching():
-                return self._carry_to(pose)
+                return self._looked_from_here()
         raise no_room(cell)
 
-    def _carry_to(self, pose: Pose) -> Observation:
-        self.world.place(pose)
+    def _looked_from_here(self) -> Observation:
+        """Forget the motion of being put here, and look."""
         self._body.settle()
         return self.look()
 

@@ -17,7 +17,7 @@ from twonav_cli.experiments.trials import learn_in_stage
 from twonav_cli.learner.agent import Agent
 from twonav_cli.mapping.floor import Floor
 from twonav_cli.stages.fitting import check_robot_fits
-from twonav_cli.stages.opening import localizer_folder
+from twonav_cli.stages.opening import localizer_sha256
 from twonav_cli.terminal.learning_place import place_of_floor
 from twonav_cli.terminal.train import ALREADY_LEARNED, USUAL_BASE, TrainRequest
 from twonav_cli.terminal.train_agent import Saver, check_same_run, metrics_of, recorded, run_started, with_progress
@@ -105,9 +105,7 @@ def _stage(request: TrainRequest, floor: Floor) -> Stage:
 
 def _made_with(request: TrainRequest, floor: Floor) -> dict[str, Any]:
     """Return which localizer an agent in 3D learns with, for its card."""
-    if request.stage != "3d":
-        return {}
-    return {"localizer_sha256": read_card(localizer_folder(floor, own_first=True))["sha256"]}
+    return {"localizer_sha256": localizer_sha256(floor, own_first=True)} if request.stage == "3d" else {}
 
 
 def _options(request: TrainRequest) -> Sim2dOptions | Sim3dOptions:

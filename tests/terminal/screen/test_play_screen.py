@@ -136,26 +136,31 @@ def test_the_screen_shows_the_belief_until_b_hides_it(size: tuple[int, int]) -> 
     on_screen(body, size)
 
 
+async def visible_by_tabs(app: PlayScreen, pilot: Pilot[None], times: int) -> list[list[str]]:
+    """Return the panels that are seen after each press of Tab."""
+    visible = []
+    for _ in range(times):
+        await pilot.press("tab")
+        await pilot.pause(0.1)
+        visible.append([n for n in ("plan", "camera", "numbers") if app.query_one(f"#{n}").region.area > 0])
+    return visible
+
+
 def test_tab_enlarges_one_panel_after_another_and_comes_back() -> None:
     async def body(app: PlayScreen, game: FakeGame, pilot: Pilot[None]) -> None:
-        visible = []
-        for _ in range(4):
-            await pilot.press("tab")
-            await pilot.pause(0.1)
-            visible.append([n for n in ("plan", "camera", "numbers") if app.query_one(f"#{n}").region.area > 0])
-        assert visible == [["plan"], ["camera"], ["numbers"], ["plan", "camera", "numbers"]]
+        assert await visible_by_tabs(app, pilot, 4) == [
+            ["plan"],
+            ["camera"],
+            ["numbers"],
+            ["plan", "camera", "numbers"],
+        ]
 
     on_screen(body)
 
 
 def test_without_a_camera_its_room_is_the_plans() -> None:
     async def body(app: PlayScreen, game: FakeGame, pilot: Pilot[None]) -> None:
-        visible = []
-        for _ in range(3):
-            await pilot.press("tab")
-            await pilot.pause(0.1)
-            visible.append([n for n in ("plan", "camera", "numbers") if app.query_one(f"#{n}").region.area > 0])
-        assert visible == [["plan"], ["numbers"], ["plan", "numbers"]]
+        assert await visible_by_tabs(app, pilot, 3) == [["plan"], ["numbers"], ["plan", "numbers"]]
         assert app.query_one("#plan").region.width == 80
 
     on_screen(body, stage="2d")

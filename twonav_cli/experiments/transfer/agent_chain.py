@@ -23,7 +23,7 @@ from twonav_cli.experiments.transfer.stage_history import StageHistory
 from twonav_cli.experiments.trials import learn_in_stage
 from twonav_cli.learner.agent import Agent, saved_settings
 from twonav_cli.mapping.floor import Floor, read_floor
-from twonav_cli.stages.opening import localizer_folder
+from twonav_cli.stages.opening import localizer_sha256
 
 if TYPE_CHECKING:
     from twonav_cli.stages.stage import Stage
@@ -105,7 +105,7 @@ def _localizer(job: AgentJob, floor: Floor, stage: str) -> str | None:
     """Return the checksum of the localizer that tells an agent in 3D where it is; None where none is asked."""
     if stage != "3d" or job.request.localizer == "truth":
         return None
-    return str(read_card(localizer_folder(floor, own_first=True))["sha256"])
+    return localizer_sha256(floor, own_first=True)
 
 
 def _stage_run(job: AgentJob, floor: Floor, name: str, before: Agent | None) -> Agent:

@@ -113,7 +113,6 @@ class PlayScreen(App[None], inherit_bindings=False):
         self._coloured = not colour_refused()
         self._plan: Plan | None = None
         self._alone = ""
-        self._has_camera = True
         self._notice: tuple[str, bool, float] = ("", False, 0.0)
         self._new_goals: list[str] = []
         """Names of goals that the simulation was asked to add, so that they can be asked for at once."""
@@ -148,6 +147,11 @@ class PlayScreen(App[None], inherit_bindings=False):
     def on_resize(self, _: Resize) -> None:
         """Share the new space."""
         self._share_space()
+
+    @property
+    def _has_camera(self) -> bool:
+        """Whether there is a picture to show: in 3D; before the run begins nobody knows."""
+        return self.state.run is None or self.state.run.stage == "3d"
 
     def _share_space(self) -> None:
         aspect = self._plan.aspect if self._plan else USUAL_ASPECT
@@ -186,7 +190,6 @@ class PlayScreen(App[None], inherit_bindings=False):
             self._notify(event.text, bad=event.level != "INFO")
         elif isinstance(event, RunStarted | GoalAdded):
             self._plan = game_view.plan_of_game(self.state)
-            self._has_camera = self.state.run is None or self.state.run.stage == "3d"
             if self._alone == "camera" and not self._has_camera:
                 self._alone = ""
             words = [*self.state.goal_names, *VOCABULARY]
