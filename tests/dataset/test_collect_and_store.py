@@ -48,6 +48,15 @@ def test_a_stopped_collection_goes_on_where_it_was(tmp_path: Path) -> None:
     assert open_store(tmp_path).frames[:, 0, 0, 0].tolist() == list(range(10))
 
 
+def test_a_stopped_collection_of_several_processes_goes_on_too(tmp_path: Path) -> None:
+    told: list[int] = []
+    collect(ToyCamera(), toy_plan(), tmp_path, KITCHEN, lambda done, _: told.append(done), lambda: bool(told), 2)
+    assert 0 < len(chunks_done(tmp_path)) < 3
+    assert max(told) < 10
+    collect(ToyCamera(), toy_plan(), tmp_path, KITCHEN, lambda done, _: told.append(done), processes=2)
+    assert open_store(tmp_path).frames[:, 0, 0, 0].tolist() == list(range(10))
+
+
 def test_several_processes_take_the_same_frames_as_one(tmp_path: Path) -> None:
     told: list[int] = []
     one = open_store(collect(ToyCamera(), toy_plan(), tmp_path / "one", KITCHEN, processes=1))
@@ -128,7 +137,7 @@ class _Broken(ToyCamera):
         raise AssertionError
 
 
-@pytest.mark.parametrize(("how", "said"), [("no renderer", "no renderer"), ("killed", "that takes frames died")])
+@pytest.mark.parametrize(("how", "said"), [("no renderer", "no renderer"), ("killed", "the same command goes on")])
 def test_a_camera_that_fails_in_another_process_ends_the_collection_with_one_line(
     tmp_path: Path, how: str, said: str
 ) -> None:

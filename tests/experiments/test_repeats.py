@@ -10,9 +10,9 @@ import pytest
 from twonav_cli.errors import TwonavError
 from twonav_cli.experiments.learning_run import LearningRun
 from twonav_cli.experiments.repeats import Item, first_of_each_learner, make_runs
-from twonav_cli.experiments.worker_pool import StoppedError, processors
 from twonav_cli.learner.learners import learner_settings
 from twonav_cli.random_maze import random_maze
+from twonav_cli.worker_pool import StoppedError, processors
 
 MAZES = [random_maze(0, number, size=6, goals=3, goal_distance=3) for number in range(2)]
 QUICK = learner_settings("multi", consecutive_successes=3)

@@ -9,7 +9,6 @@ import pytest
 from twonav_cli.events import to_nobody
 from twonav_cli.experiments.evaluation import PairResult, evaluate_pairs, pairs_of
 from twonav_cli.experiments.shared_evaluation import Drive, evaluate_shared, open_drive
-from twonav_cli.experiments.worker_pool import done_in_workers
 from twonav_cli.mapping.floor import Floor, read_floor
 
 
@@ -35,11 +34,3 @@ def test_an_evaluation_that_is_stopped_keeps_what_was_driven(floor: Floor) -> No
     table = evaluate_shared(Drive("kitchen", "maze"), floor, 3, 2, told.append, lambda: len(told) >= 20)
     assert 20 <= len(table.pairs) < 75
     assert len(told) == len(table.pairs)
-
-
-def halved(number: int) -> float:
-    return number / 2
-
-
-def test_jobs_are_numbered_as_they_were_given() -> None:
-    assert dict(done_in_workers(halved, [5, 6, 7], 2, lambda: False)) == {0: 2.5, 1: 3.0, 2: 3.5}

@@ -19,10 +19,10 @@ from twonav_cli.experiments.learning_run import LearningRun
 from twonav_cli.experiments.repeats import Item
 from twonav_cli.experiments.tables.catalog import TABLES
 from twonav_cli.experiments.tables.request import TableRequest
-from twonav_cli.experiments.worker_pool import StoppedError
 from twonav_cli.maze import Maze
 from twonav_cli.random_maze import random_maze
 from twonav_cli.terminal import app, console, reproduce
+from twonav_cli.worker_pool import StoppedError
 
 
 class Ended(NamedTuple):

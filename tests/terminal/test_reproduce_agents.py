@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from twonav_cli.experiments.worker_pool import StoppedError
 from twonav_cli.recording.reader import summarize
 from twonav_cli.terminal import reproduce_fig9, reproduce_transfer
+from twonav_cli.worker_pool import StoppedError
 
 if TYPE_CHECKING:
     from command_line import Twonav

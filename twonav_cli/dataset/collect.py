@@ -11,12 +11,10 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable, Generator, Iterable
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from io import BytesIO
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -27,6 +25,7 @@ from twonav_cli.config import IMAGE_PX
 from twonav_cli.dataset.plan import FramePlan
 from twonav_cli.errors import TwonavError
 from twonav_cli.files import write_whole
+from twonav_cli.worker_pool import StoppedError, done_in_workers
 
 FORMAT = 2
 FRAMES_FILE, POSES_FILE, KINDS_FILE, SPLITS_FILE = "frames.npy", "poses.npy", "kinds.npy", "splits.npy"
@@ -73,7 +72,7 @@ def collect(
     folder: Path,
     provenance: Provenance,
     progress: Progress | None = None,
-    should_stop: Callable[[], bool] | None = None,
+    should_stop: Callable[[], bool] = lambda: False,
     processes: int = 1,
 ) -> Path:
     """Take what is missing of a data set (§4.1; the robot is moved along the ways, its wheels are not simulated: ours).
@@ -84,7 +83,7 @@ def collect(
         folder: Where the data set is or will be.
         provenance: Scene, seed, render settings, and who labels.
         progress: Told (frames there, frames wanted) after every chunk.
-        should_stop: Asked after every chunk; True ends early, and the next call goes on from there.
+        should_stop: Asked after every chunk at least; True ends early, and the next call goes on from there.
         processes: How many work at a time; the frames are the same whatever this is.
 
     Returns:
@@ -100,15 +99,13 @@ def collect(
         there = int(sizes[sorted(done)].sum())
         if not missing:
             return folder
-        with closing(_taken(make_taker, plan, folder, missing, processes)) as chunks:
+        with closing(_taken(make_taker, plan, folder, missing, processes, should_stop)) as chunks:
             for chunk in chunks:
                 done.add(chunk)
                 there += int(sizes[chunk])
                 _write_progress(folder, done)
                 if progress:
                     progress(there, len(plan.poses))
-                if should_stop and should_stop():
-                    break
     except OSError as error:
         raise TwonavError(f"cannot write frames to {folder}: {error.strerror or error}") from error
     return folder
@@ -123,30 +120,31 @@ def chunks_done(folder: Path) -> set[int]:
         return set()
 
 
-_taker: Taker
-_plan: FramePlan
-_folder: Path
+@dataclass(frozen=True)
+class _Taking:
+    """Takes chunks in a process of its own, with what is made there once."""
 
+    make_taker: Callable[[], Taker]
+    plan: FramePlan
+    folder: Path
 
-def _begin(make_taker: Callable[[], Taker], plan: FramePlan, folder: Path) -> None:
-    """Get a process ready to take chunks."""
-    import signal
+    @cached_property
+    def taker(self) -> Taker:
+        return self.make_taker()
 
-    global _taker, _plan, _folder
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent stops its children
-    _taker, _plan, _folder = make_taker(), plan, folder
-
-
-def _take(chunk: int) -> int:
-    """Take one chunk in a process of its own; return its number."""
-    _store(_taker, _plan, _folder, chunk)
-    return chunk
+    def __call__(self, chunk: int) -> None:
+        _store(self.taker, self.plan, self.folder, chunk)
 
 
 def _taken(
-    make_taker: Callable[[], Taker], plan: FramePlan, folder: Path, missing: list[int], processes: int
+    make_taker: Callable[[], Taker],
+    plan: FramePlan,
+    folder: Path,
+    missing: list[int],
+    processes: int,
+    should_stop: Callable[[], bool],
 ) -> Generator[int]:
-    """Take chunks, and yield the number of each that is on disk.
+    """Take chunks until asked to stop, and yield the number of each that is on disk.
 
     Raises:
         TwonavError: A process died.
@@ -156,18 +154,13 @@ def _taken(
             for chunk in missing:
                 _store(taker, plan, folder, chunk)
                 yield chunk
+                if should_stop():
+                    return
             return
-    workers = min(processes, len(missing))
-    pool = ProcessPoolExecutor(workers, get_context("spawn"), _begin, (make_taker, plan, folder))
-    try:
-        for job in as_completed([pool.submit(_take, chunk) for chunk in missing]):
-            yield job.result()
-    except BrokenProcessPool as error:
-        raise TwonavError(
-            "a process that takes frames died (no memory, or the disk is full): the same command goes on from there"
-        ) from error
-    finally:
-        pool.shutdown(cancel_futures=True)
+    work, remedy = _Taking(make_taker, plan, folder), "the same command goes on from there"
+    with suppress(StoppedError):
+        for number, _ in done_in_workers(work, missing, processes, should_stop, remedy):
+            yield missing[number]
 
 
 def _store(taker: Taker, plan: FramePlan, folder: Path, chunk: int) -> None:

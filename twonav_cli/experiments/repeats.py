@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from twonav_cli.config import LearningConfig
 from twonav_cli.experiments.learning_run import LearningRun, never, run_learner
-from twonav_cli.experiments.worker_pool import StoppedError, done_in_workers
 from twonav_cli.maze import Maze
 from twonav_cli.rng import stream
+from twonav_cli.worker_pool import StoppedError, done_in_workers
 
 STEPS_AT_MOST = 5_000_000
 """Actions after which a run gives up (ours): twenty times what the paper's single-goal learner takes on average."""

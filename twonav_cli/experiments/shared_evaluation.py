@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from twonav_cli.events import to_nobody
 from twonav_cli.experiments.evaluation import Pair, PairResult, PairTable, evaluate_pairs, pairs_of
-from twonav_cli.experiments.worker_pool import StoppedError, done_in_workers
+from twonav_cli.worker_pool import StoppedError, done_in_workers
 
 if TYPE_CHECKING:
     from twonav_cli.learner.agent import Agent
@@ -138,7 +138,7 @@ def evaluate_shared(
     ]
     found: dict[int, list[PairResult]] = {}
     try:
-        for number, results in done_in_workers(drive_chunk, chunks, workers, should_stop, option="--workers"):
+        for number, results in done_in_workers(drive_chunk, chunks, workers, should_stop, "try again with --workers 1"):
             found[number] = results
             for result in results:
                 on_pair(result)

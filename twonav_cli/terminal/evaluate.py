@@ -67,8 +67,8 @@ def run_evaluate(request: EvaluateRequest) -> int:
 
 def _measure_localizer(request: EvaluateRequest, floor: Floor) -> int:
     """Measure a localizer and print its figures; returns 0, or 130 when interrupted."""
-    from twonav_cli.experiments.worker_pool import StoppedError
     from twonav_cli.terminal.localizer_figures import print_figures
+    from twonav_cli.worker_pool import StoppedError
 
     with StopOnInterrupt("stopping: nothing is kept") as stop:
         try:

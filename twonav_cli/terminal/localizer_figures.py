@@ -9,9 +9,9 @@ from typing import Any
 from rich.table import Table
 
 from twonav_cli.experiments.localizer_report import ReportConfig, localizer_report
-from twonav_cli.experiments.worker_pool import StoppedError
 from twonav_cli.mapping.floor import Floor
 from twonav_cli.terminal.console import out, progress
+from twonav_cli.worker_pool import StoppedError
 
 ERRORS = {
     "pos_mean_m": ("mean m", 3),

@@ -43,7 +43,6 @@ from twonav_cli.experiments.localizer_tables.trained import (
     train_row,
 )
 from twonav_cli.experiments.predecessors import checkpoint_folder
-from twonav_cli.experiments.worker_pool import StoppedError
 from twonav_cli.localizer.batches import Selection
 from twonav_cli.localizer.errors_report import pose_errors
 from twonav_cli.localizer.measuring import thinned
@@ -52,6 +51,7 @@ from twonav_cli.mapping.floor import Floor
 from twonav_cli.terminal.console import progress
 from twonav_cli.terminal.fitting_bar import fitting_bar
 from twonav_cli.terminal.train_frames import collected, frames_folder
+from twonav_cli.worker_pool import StoppedError
 
 
 class SceneRows:

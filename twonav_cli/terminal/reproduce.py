@@ -26,7 +26,6 @@ from twonav_cli.experiments.tables.catalog import (
 from twonav_cli.experiments.tables.report import Report
 from twonav_cli.experiments.tables.request import MAZES, SCENE, TableRequest
 from twonav_cli.experiments.transfer.request import AGENTS, QUICK_AGENTS, TransferRequest
-from twonav_cli.experiments.worker_pool import StoppedError, processors
 from twonav_cli.files import writable, write_whole
 from twonav_cli.mapping.floor import read_floor
 from twonav_cli.maze import Maze
@@ -34,6 +33,7 @@ from twonav_cli.paths import runs_dir
 from twonav_cli.terminal.console import progress
 from twonav_cli.terminal.interrupt import StopOnInterrupt
 from twonav_cli.terminal.map_source import tell_source
+from twonav_cli.worker_pool import StoppedError, processors
 
 if TYPE_CHECKING:
     from twonav_cli.terminal.reproduce_fig9 import Fig9Request

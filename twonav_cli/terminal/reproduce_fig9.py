@@ -17,7 +17,6 @@ from twonav_cli.config import BASES, ROBOT_FOOTPRINT_M
 from twonav_cli.dataset.poses import random_poses
 from twonav_cli.events import Clock, Looked, Note, RunEnded, RunStarted
 from twonav_cli.experiments.predecessors import load_localize
-from twonav_cli.experiments.worker_pool import StoppedError
 from twonav_cli.experiments.wrong_places import WRONG_M, LookedAround, look_around
 from twonav_cli.files import write_whole
 from twonav_cli.geometry import Pose
@@ -27,6 +26,7 @@ from twonav_cli.terminal.console import out, progress
 from twonav_cli.terminal.interrupt import StopOnInterrupt
 from twonav_cli.terminal.map_source import tell_source
 from twonav_cli.terminal.recordings import recording
+from twonav_cli.worker_pool import StoppedError
 
 FIGURE = "fig9"
 LOOKS, QUICK_LOOKS = 4000, 200

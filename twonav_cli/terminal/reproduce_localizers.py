@@ -12,13 +12,13 @@ from pathlib import Path
 from twonav_cli.experiments.localizer_tables.error_map import ErrorMapReport, error_map_report, heat_of
 from twonav_cli.experiments.localizer_tables.report import LocalizerReport, table_report
 from twonav_cli.experiments.localizer_tables.request import LocalizerRequest
-from twonav_cli.experiments.worker_pool import StoppedError
 from twonav_cli.files import write_whole
 from twonav_cli.mapping.floor import read_floor
 from twonav_cli.paths import runs_dir
 from twonav_cli.terminal.interrupt import StopOnInterrupt
 from twonav_cli.terminal.localizer_rows import SceneRows
 from twonav_cli.terminal.map_source import tell_source
+from twonav_cli.worker_pool import StoppedError
 
 FIGURE = "fig7"
 

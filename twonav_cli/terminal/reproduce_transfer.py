@@ -19,13 +19,13 @@ from twonav_cli.experiments.transfer.agent_chain import (
 from twonav_cli.experiments.transfer.finished import finished_agents
 from twonav_cli.experiments.transfer.request import CHAINS, CHAINS_OF, TransferRequest
 from twonav_cli.experiments.transfer.tables import Figures, TransferReport, transfer_report
-from twonav_cli.experiments.worker_pool import StoppedError, done_in_workers
 from twonav_cli.files import write_whole
 from twonav_cli.mapping.floor import Floor, read_floor
 from twonav_cli.stages.fitting import check_robot_fits
 from twonav_cli.terminal.console import progress
 from twonav_cli.terminal.interrupt import StopOnInterrupt
 from twonav_cli.terminal.map_source import tell_source
+from twonav_cli.worker_pool import StoppedError, done_in_workers
 
 
 def run_transfer(request: TransferRequest, folder: Path, as_json: bool) -> int:

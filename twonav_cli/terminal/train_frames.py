@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from twonav_cli.dataset.plan import GRID_SET, SETS, PlanConfig
-from twonav_cli.experiments.worker_pool import processors
 from twonav_cli.mapping.floor import Floor
 from twonav_cli.mapping.known_maps import SURVEY
 from twonav_cli.paths import runs_dir
 from twonav_cli.terminal.console import progress
+from twonav_cli.worker_pool import processors
 
 if TYPE_CHECKING:
     from twonav_cli.dataset.store import FrameStore

@@ -14,7 +14,6 @@ from twonav_cli.events import Clock, RunEnded, RunStarted, to_all
 from twonav_cli.experiments.localizer_report import ReportConfig
 from twonav_cli.experiments.localizer_tables.budget import QUICK_IMAGES
 from twonav_cli.experiments.localizer_tables.trained import finished
-from twonav_cli.experiments.worker_pool import StoppedError
 from twonav_cli.localizer.batches import Selection
 from twonav_cli.localizer.devices import chosen_device
 from twonav_cli.localizer.networks import OURS
@@ -28,6 +27,7 @@ from twonav_cli.terminal.localizer_figures import figures_of
 from twonav_cli.terminal.recordings import default_recording, recording
 from twonav_cli.terminal.train import ALREADY_LEARNED, TrainRequest
 from twonav_cli.terminal.train_frames import collected
+from twonav_cli.worker_pool import StoppedError
 
 QUICK_REPORT = ReportConfig(200, 100, 100)
 

@@ -10,7 +10,7 @@ from made_up_localizers import grid_store, random_store
 
 from twonav_cli.dataset.store import FrameStore, Indices
 from twonav_cli.experiments.localizer_tables.placing import Locator, errors_at, nearest_locator, placed
-from twonav_cli.experiments.worker_pool import StoppedError
+from twonav_cli.worker_pool import StoppedError
 
 SHIFT_M = 0.25
 

@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 
 from twonav_cli.checkpoint import read_card
 from twonav_cli.dataset.store import FrameStore, Indices
-from twonav_cli.experiments.worker_pool import StoppedError
 from twonav_cli.files import digest_of, write_whole
 from twonav_cli.localizer.batches import Selection
 from twonav_cli.localizer.errors_report import error_metrics
 from twonav_cli.localizer.estimator import Estimator
 from twonav_cli.localizer.nearest import nearest_poses
+from twonav_cli.worker_pool import StoppedError
 
 NEAREST_FRAMES = 20_000
 """Frames at most that are placed by the most alike one: in the apartment that takes a minute or two."""
