@@ -143,29 +143,50 @@ def test_arrays_that_are_no_safetensors_file_are_refused(folder: Path) -> None:
     assert "is not a safetensors file" in refused(folder)
 
 
-def test_a_save_that_breaks_off_between_the_two_files_is_refused_not_half_read(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
+def broken_off(monkeypatch: pytest.MonkeyPatch, writes: int, folder: Path, factor: float) -> None:
+    """Save the arrays, a number of times as large, and be killed after so many files."""
+    with monkeypatch.context() as patched:
+        write_whole, replace = checkpoint.write_whole, Path.replace
+        left = [writes]
+
+        def count() -> None:
+            if not left[0]:
+                raise KeyboardInterrupt
+            left[0] -= 1
+
+        def counted_write(path: Path, content: bytes | str) -> Path:
+            count()
+            return write_whole(path, content)
+
+        def counted_replace(path: Path, target: Path) -> Path:
+            if path.name == checkpoint.NEXT_ARRAYS_FILE:
+                count()
+            return replace(path, target)
+
+        patched.setattr(checkpoint, "write_whole", counted_write)
+        patched.setattr(Path, "replace", counted_replace)
+        with pytest.raises(KeyboardInterrupt):
+            save_checkpoint(folder, {"q": ARRAYS["q"] * factor}, {**CARD, "seed": factor})
+
+
+def loaded_factor(folder: Path) -> int:
+    """Return how many times as large the arrays are, which the card must say too."""
+    arrays, card = load_checkpoint(folder, "agent")
+    (factor,) = {*(arrays["q"].ravel()[1:] / ARRAYS["q"].ravel()[1:])}
+    assert card["seed"] == factor
+    return int(factor)
+
+
+@pytest.mark.parametrize(("writes", "there"), [(0, 5), (1, 5), (2, 2)])
+def test_a_save_that_breaks_off_anywhere_leaves_the_old_pair_or_the_new_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, writes: int, there: int
 ) -> None:
-    write_whole = checkpoint.write_whole
-
-    def break_off_at_card(path: Path, content: bytes | str) -> Path:
-        if path.name == CARD_FILE:
-            raise KeyboardInterrupt
-        return write_whole(path, content)
-
-    monkeypatch.setattr(checkpoint, "write_whole", break_off_at_card)
-    with pytest.raises(KeyboardInterrupt):
-        save_checkpoint(folder, {"q": ARRAYS["q"] * 2}, CARD)
-    assert "is damaged" in refused(folder)
-
-
-def test_a_save_that_breaks_off_in_the_arrays_leaves_the_old_pair(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def break_off(path: Path, content: bytes | str) -> Path:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(checkpoint, "write_whole", break_off)
-    with pytest.raises(KeyboardInterrupt):
-        save_checkpoint(folder, {"q": ARRAYS["q"] * 2}, CARD)
-    assert np.array_equal(load_checkpoint(folder, "agent")[0]["q"], ARRAYS["q"])
+    save_checkpoint(tmp_path, {"q": ARRAYS["q"] * 5}, CARD)
+    broken_off(monkeypatch, writes, tmp_path, 2)
+    assert loaded_factor(tmp_path) == there
+    for again in (0, 1, 2):  # the second save may begin with what the first left undone
+        broken_off(monkeypatch, again, tmp_path, 3)
+        assert loaded_factor(tmp_path) in (there, 3)
+    save_checkpoint(tmp_path, {"q": ARRAYS["q"] * 4}, {**CARD, "seed": 4})
+    assert loaded_factor(tmp_path) == 4
+    assert {file.name for file in tmp_path.iterdir()} == {ARRAYS_FILE, CARD_FILE}

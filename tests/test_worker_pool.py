@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-import signal
 import subprocess
 import sys
 import threading
@@ -35,26 +34,42 @@ def refused(number: int) -> int:
     raise TwonavError(f"{number} is not wanted") if number else OSError("the disk is full")
 
 
-def noted_and_slow(file: Path) -> None:
-    """Say who works, and work for some seconds."""
-    (file / str(os.getpid())).touch()
-    time.sleep(3)
+def noted_and_endless(folder: Path) -> None:
+    """Say that somebody works, and never come to an end."""
+    (folder / str(os.getpid())).touch()
+    while True:
+        time.sleep(1)
+
+
+class DiesOnArrival:
+    """Work that no worker survives to receive, and that does not fit into a connection at once."""
+
+    def __init__(self) -> None:
+        self.content = bytes(10_000_000)
+
+    def __setstate__(self, state: object) -> None:
+        os._exit(1)
+
+    def __call__(self, number: int) -> int:
+        return number
 
 
 def within(limit_s: float, work: Callable[[], None]) -> None:
-    """Do work that might never end; fail when it does not end in time."""
-    thread = threading.Thread(target=work, daemon=True)
+    """Do work that might never end; fail as it does, or when it does not end in time."""
+    failures: list[BaseException] = []
+
+    def tried() -> None:
+        try:
+            work()
+        except BaseException as error:
+            failures.append(error)
+
+    thread = threading.Thread(target=tried, daemon=True)
     thread.start()
     thread.join(limit_s)
     assert not thread.is_alive()
-
-
-def alive(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    return True
+    if failures:
+        raise failures[0]
 
 
 def test_jobs_are_numbered_as_they_were_given() -> None:
@@ -96,22 +111,43 @@ def test_an_error_comes_through_as_it_is_and_says_where_it_was() -> None:
         list(done_in_workers(refused, [1], 1, never))
 
 
-def test_workers_whose_parent_was_killed_end_by_themselves(tmp_path: Path) -> None:
+def test_a_worker_that_dies_before_it_begins_is_one_line() -> None:
+    def begin() -> None:
+        list(done_in_workers(DiesOnArrival(), range(3), 2, never, "buy memory"))
+
+    with pytest.raises(TwonavError, match=r"a worker ended unexpectedly .*: buy memory"):
+        within(60, begin)
+
+
+def test_who_ends_the_whole_group_wants_it_to_stop() -> None:
+    asked: list[int] = []
+
+    def all_are_ended_at_once() -> bool:
+        asked.append(1)
+        for worker in multiprocessing.active_children():
+            worker.terminate()
+        return len(asked) > 1
+
+    def begin() -> None:
+        list(done_in_workers(time.sleep, [0.1, 100, 100], 2, all_are_ended_at_once))
+
+    with pytest.raises(StoppedError):
+        within(60, begin)
+
+
+def test_workers_whose_parent_was_killed_end_in_the_middle_of_their_jobs(tmp_path: Path) -> None:
     script = (
         "from pathlib import Path; from test_worker_pool import *\n"
         "if __name__ == '__main__':\n"
-        "    list(done_in_workers(noted_and_slow, [Path('workers')] * 4, 2, never))\n"
+        "    list(done_in_workers(noted_and_endless, [Path('workers')] * 2, 2, never))\n"
     )
     (tmp_path / "parent.py").write_text(script)
     (tmp_path / "workers").mkdir()
     paths = os.pathsep.join([str(Path(__file__).parent), *filter(None, sys.path)])
-    parent = subprocess.Popen([sys.executable, "parent.py"], cwd=tmp_path, env={**os.environ, "PYTHONPATH": paths})
-    while len(workers := [int(file.name) for file in (tmp_path / "workers").iterdir()]) < 2:
+    environment = {**os.environ, "PYTHONPATH": paths}
+    parent = subprocess.Popen([sys.executable, "parent.py"], cwd=tmp_path, env=environment, stdout=subprocess.PIPE)
+    while len(list((tmp_path / "workers").iterdir())) < 2:
         assert parent.poll() is None
         time.sleep(0.05)
-    parent.send_signal(signal.SIGKILL)
-    parent.wait()
-    give_up_s = time.monotonic() + 60
-    while any(map(alive, workers)):
-        assert time.monotonic() < give_up_s
-        time.sleep(0.05)
+    parent.kill()
+    parent.communicate(timeout=60)  # it returns when nobody holds the other end any more

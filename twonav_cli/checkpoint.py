@@ -9,6 +9,7 @@ import datetime
 import hashlib
 import json
 import platform
+from contextlib import suppress
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,9 @@ from twonav_cli.files import write_whole
 
 FORMAT = 2
 ARRAYS_FILE = "arrays.safetensors"
+NEXT_ARRAYS_FILE = "arrays.next.safetensors"
+"""The arrays of a card that is being written; they take the others' place when it is there."""
+
 CARD_FILE = "card.json"
 
 Arrays = dict[str, NDArray[Any]]
@@ -39,7 +43,7 @@ def versions() -> dict[str, str]:
 
 
 def save_checkpoint(folder: Path, arrays: Arrays, card: Card) -> Path:
-    """Write arrays and card so that a reader finds the old pair, the new pair, or a mismatch it will refuse.
+    """Write arrays and card so that a reader finds the old pair or the new pair, wherever this is broken off.
 
     Args:
         folder: Where the two files go.
@@ -59,11 +63,29 @@ def save_checkpoint(folder: Path, arrays: Arrays, card: Card) -> Path:
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
         "versions": versions(),
     }
-    # Made before the first file is replaced: the gap is as short as it can be.
-    text = json.dumps(signed(full), indent=2) + "\n"
-    write_whole(folder / ARRAYS_FILE, content)
-    write_whole(folder / CARD_FILE, text)
+    _settle(folder)
+    write_whole(folder / NEXT_ARRAYS_FILE, content)
+    write_whole(folder / CARD_FILE, json.dumps(signed(full), indent=2) + "\n")
+    _settle(folder)
     return folder
+
+
+def _settle(folder: Path) -> None:
+    """Put the arrays that belong to the card where they belong, if writing them was broken off before that.
+
+    Raises:
+        TwonavError: The folder cannot be written.
+    """
+    following = folder / NEXT_ARRAYS_FILE
+    try:
+        sha256 = read_card(folder)["sha256"]
+    except TwonavError:
+        return  # without a card there is nothing to settle
+    try:
+        if following.exists() and hashlib.sha256(following.read_bytes()).hexdigest() == sha256:
+            following.replace(folder / ARRAYS_FILE)
+    except OSError as error:
+        raise TwonavError(f"cannot write {folder / ARRAYS_FILE}: {error.strerror or error}") from error
 
 
 def signed(card: Card) -> Card:
@@ -140,14 +162,27 @@ def load_checkpoint(
             f"the {kind} in {folder} was made on another map of the scene: train it again on this one, "
             "name its folder with --checkpoints, or the other map with --map-from"
         )
-    path = folder / ARRAYS_FILE
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise TwonavError(f"{path} cannot be read ({error.strerror}): restore it or train again") from error
-    if hashlib.sha256(content).hexdigest() != card["sha256"]:
-        raise TwonavError(f"{path} is damaged (its checksum is not the card's): restore it or train again")
+    path, content = folder / ARRAYS_FILE, _content(folder, card["sha256"])
     try:
         return load(content), card
     except (SafetensorError, ValueError) as error:
         raise TwonavError(f"{path} is not a safetensors file ({error}): train again") from error
+
+
+def _content(folder: Path, sha256: str) -> bytes:
+    """Return the content of the arrays' file that has a checksum.
+
+    Raises:
+        TwonavError: It cannot be read, or none has it.
+    """
+    path = folder / ARRAYS_FILE
+    for looked_at in (path, folder / NEXT_ARRAYS_FILE, path):  # once more: who writes may have settled meanwhile
+        with suppress(OSError):
+            content = looked_at.read_bytes()
+            if hashlib.sha256(content).hexdigest() == sha256:
+                return content
+    try:
+        path.read_bytes()
+    except OSError as error:
+        raise TwonavError(f"{path} cannot be read ({error.strerror}): restore it or train again") from error
+    raise TwonavError(f"{path} is damaged (its checksum is not the card's): restore it or train again")

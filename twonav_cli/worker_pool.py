@@ -45,7 +45,7 @@ def done_in_workers(
     """Do jobs in several processes; yield the number of each and what came out, as they end.
 
     Args:
-        work: A function of a module, or an object that can be called; it travels to each worker once, the jobs follow.
+        work: A function of a module, or an object that can be called; it travels to each worker once, jobs follow.
         jobs: What to do; they are begun in this order.
         processes: How many workers.
         should_stop: Asked several times a second.
@@ -60,47 +60,48 @@ def done_in_workers(
 
     def hand_out(worker: Connection) -> None:
         for number, job in waiting:
-            with _death_noticed(remedy):
-                worker.send(job)
+            worker.send(job)
             doing[worker] = number
             return
 
-    with _workers(work, min(processes, len(jobs))) as workers:
+    with _workers(min(processes, len(jobs))) as workers:
         for worker in workers:
-            hand_out(worker)
+            with _death_noticed(remedy, should_stop):
+                worker.send(work)
+                hand_out(worker)
         while doing:
             ready = wait(list(doing), timeout=POLL_S)
             for worker in [worker for worker in doing if worker in ready]:
-                with _death_noticed(remedy):
+                with _death_noticed(remedy, should_stop):
                     result, error = worker.recv()
-                number = doing.pop(worker)
+                    number = doing.pop(worker)
+                    if error is None:
+                        hand_out(worker)
                 if error is not None:
                     raise error
-                hand_out(worker)
                 yield number, result
-            if should_stop():
+            if doing and should_stop():
                 raise StoppedError
 
 
 @contextmanager
-def _workers(work: Callable[[Any], Any], count: int) -> Iterator[list[Connection]]:
-    """Start workers, and give the connections to them; afterwards they are gone, broken off if there was an error."""
-    # Spawned, not forked: a fork copies the progress bar's lock, held or not, but not its thread.
-    context = multiprocessing.get_context("spawn")
+def _workers(count: int) -> Iterator[list[Connection]]:
+    """Start workers, and give the connections to them; afterwards they are gone, broken off if there was an error.
+
+    Raises:
+        TwonavError: The system starts no more processes.
+    """
     processes: list[SpawnProcess] = []
     connections: list[Connection] = []
     try:
         with _interrupts_ignored():
             for _ in range(count):
-                ours, theirs = context.Pipe()
-                connections.append(ours)
-                with theirs:  # closed here once the worker has it, so that its death is the end of the connection
-                    process = context.Process(target=_serve, args=(work, theirs))
-                    process.start()
+                process, connection = _started_worker()
                 processes.append(process)
+                connections.append(connection)
         yield connections
     except BaseException:
-        # What a worker keeps it writes whole, so what is under way can be broken off.
+        # What a worker keeps survives that, whatever it is at.
         for process in processes:
             process.terminate()
         raise
@@ -111,11 +112,32 @@ def _workers(work: Callable[[Any], Any], count: int) -> Iterator[list[Connection
             process.join()
 
 
-def _serve(work: Callable[[Any], Any], parent: Connection) -> None:
-    """Do job after job, until the parent closes the connection or is gone."""
+def _started_worker() -> tuple[SpawnProcess, Connection]:
+    """Return a new worker and the connection to it, which ends when the worker does.
+
+    Raises:
+        TwonavError: The system starts no more processes.
+    """
+    # Spawned, not forked: a fork copies the progress bar's lock, held or not, but not its thread.
+    context = multiprocessing.get_context("spawn")
+    try:
+        ours, theirs = context.Pipe()
+        with theirs:
+            # What travels at the start is small: a worker's death in the middle of it would go unnoticed.
+            worker = context.Process(target=_serve, args=(theirs,), daemon=True)
+            worker.start()
+    except OSError as error:
+        raise TwonavError(f"no worker can be started: {error.strerror or error}") from error
+    return worker, ours
+
+
+def _serve(parent: Connection) -> None:
+    """Learn what the work is and do job after job, until the parent closes the connection."""
     # Ctrl-C reaches every program of the terminal: the parent decides what becomes of it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     with suppress(EOFError, ConnectionError):
+        work = parent.recv()
         while True:
             job = parent.recv()
             try:
@@ -126,16 +148,27 @@ def _serve(work: Callable[[Any], Any], parent: Connection) -> None:
             parent.send(outcome)
 
 
+def _end_with_parent() -> None:
+    """End this worker when its parent is gone, in the middle of a job too: nobody waits for it."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
 @contextmanager
-def _death_noticed(remedy: str) -> Iterator[None]:
-    """Turn the end of a connection into a sentence.
+def _death_noticed(remedy: str, should_stop: Callable[[], bool]) -> Iterator[None]:
+    """Turn the end of a connection into a sentence; who ends all programs of a group together only wants them to stop.
 
     Raises:
+        StoppedError: The worker is gone, and `should_stop` says so.
         TwonavError: The worker is gone.
     """
     try:
         yield
     except (EOFError, OSError) as error:
+        if should_stop():
+            raise StoppedError from error
         raise TwonavError(f"a worker ended unexpectedly (no memory, or the disk is full?): {remedy}") from error
 
 

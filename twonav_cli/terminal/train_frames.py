@@ -36,7 +36,7 @@ def collected(floor: Floor, name: str, seed: int, quick: bool, should_stop: Call
         name: A name of SETS.
         seed: Seed of the poses.
         quick: Whether the small set is meant; it lies beside the full one.
-        should_stop: Asked after every few hundred frames.
+        should_stop: Asked after every few hundred frames at least.
 
     Raises:
         TwonavError: No renderer, or a folder that holds other frames.
