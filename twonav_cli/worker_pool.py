@@ -53,7 +53,8 @@ def done_in_workers(
 
     Raises:
         StoppedError: `should_stop` said so; the workers are broken off.
-        TwonavError: A job raised it, or a worker was killed.
+        TwonavError: A worker was killed or cannot be started.
+        Exception: What a job raised, as it is.
     """
     waiting = iter(enumerate(jobs))
     doing: dict[Connection, int] = {}

@@ -61,6 +61,23 @@ def _trials_tab(timeline: str) -> rrb.DataframeView:
     return rrb.DataframeView(origin="/trials", name="Trials", query=query)
 
 
+def _seen(camera: bool) -> list[rrb.Spatial2DView]:
+    """Return the view of the camera if there is one; each tab needs its own, or the viewer leaves one of them empty."""
+    return [views.camera()] if camera else []
+
+
+def _controller_tab(camera: bool) -> rrb.Horizontal:
+    near = rrb.Spatial2DView(
+        origin="/drive/map/here",
+        contents=["/drive/**", "- /drive/map/goals/**", "- /drive/map/failures/**"],
+        name="Around the robot: candidates by cost (dark is cheap, red would touch), chosen (black), cost map",
+        visual_bounds=rrb.VisualBounds2D(x_range=[-1.6, 1.6], y_range=[-1.6, 1.6]),
+        background=views.DARK,
+    )
+    beside = rrb.Vertical(*_seen(camera), views.errors())
+    return rrb.Horizontal(near, beside, column_shares=[3, 2], name="Controller")
+
+
 MAP_TITLE, PICTURE_TITLE = "Map: is (blue), believes (magenta), last look (orange)", ", what its picture says (violet)"
 
 
@@ -74,27 +91,17 @@ def drive_blueprint(goals: list[str], frame: GridFrame, replay: Replay | None, *
             on the map and in the log (the layout cannot place the cursor elsewhere).
         camera: Whether the robot has one, and so has to estimate where it is.
     """
-    seen = [views.camera()] if camera else []
     left = rrb.Vertical(
         views.map_view(frame, MAP_TITLE + (PICTURE_TITLE if camera else "")),
         views.states(),
         row_shares=[7, 2],
     )
     right = rrb.Vertical(
-        rrb.Horizontal(*seen, views.errors(), column_shares=[1] * (len(seen) + 1)),
+        rrb.Horizontal(*_seen(camera), views.errors(), column_shares=[1] * (1 + camera)),
         views.log(["trial", "sim_time"]),
         row_shares=[1, 1],
     )
     drive = rrb.Horizontal(left, right, column_shares=[5, 4], name="Drive")
-    near = rrb.Spatial2DView(
-        origin="/drive/map/here",
-        contents=["/drive/**", "- /drive/map/goals/**", "- /drive/map/failures/**"],
-        name="Around the robot: candidates by cost (dark is cheap, red would touch), chosen (black), cost map",
-        visual_bounds=rrb.VisualBounds2D(x_range=[-1.6, 1.6], y_range=[-1.6, 1.6]),
-        background=views.DARK,
-    )
-    beside = rrb.Vertical(*seen, views.errors())
-    controller = rrb.Horizontal(near, beside, column_shares=[3, 2], name="Controller")
     selection = (
         blueprint_components.AbsoluteTimeRange(round(replay.start_s * 1e9), round(replay.end_s * 1e9))
         if replay
@@ -107,7 +114,7 @@ def drive_blueprint(goals: list[str], frame: GridFrame, replay: Replay | None, *
         _q_tab(goals, frame),
         views.td_grid(goals, frame, 4),
         _learning_tab(),
-        controller,
+        _controller_tab(camera),
         rrb.TextDocumentView(origin="/learning/trials", name="Trials"),
         views.about_tab(),
         active_tab=0,
